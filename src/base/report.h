@@ -1,0 +1,36 @@
+/*
+ * Messages about input files, in the style of compilers: "network.xml:14: error: text".
+ *
+ *   in   severity, line and text from a parser
+ *   out  one formatted line for each message, to the sink of whoever reads the file
+ *
+ * The parser that finds something says it here and goes on as far as it can; its return value only
+ * tells that there were errors.
+ */
+#ifndef CO_BASE_REPORT_H
+#define CO_BASE_REPORT_H
+
+enum co_severity { CO_ERROR, CO_WARNING, CO_INFO };
+
+#define CO_REPORT_TEXT_SIZE 512u
+
+struct co_report {
+    const char *file;                                                   /* as shown; NULL: no place */
+    void (*sink)(void *context, enum co_severity severity, const char *text); /* NULL: only count */
+    void *context;
+    unsigned errors;
+    unsigned warnings;
+    int error_kind; /* what the caller gave with co_report_kind for the first error; 0: none */
+    char first_error[CO_REPORT_TEXT_SIZE]; /* whole line of the first error */
+};
+
+/* line 0: the message is about the whole file */
+void co_report_add(struct co_report *self, enum co_severity severity, unsigned line,
+                   const char *format, ...) __attribute__((format(printf, 4, 5)));
+
+/* Classifies the error reported last, where it was the first: a value of the caller's own. */
+void co_report_kind(struct co_report *self, int kind);
+
+const char *co_severity_text(enum co_severity severity);
+
+#endif

@@ -1,0 +1,71 @@
+/*
+ * A CAN bus as the stack sees it, whatever is behind it.
+ *
+ *   "virtual:NAME"   a bus in user space for processes of this machine (bus_virtual.c)
+ *   anything else    the SocketCAN interface of that name (bus_socketcan.c)
+ *
+ * One thread receives and waits; send and wake are for any thread, one at a time for send (the
+ * owner's lock). Frames of one bus have one order, the same for all who listen.
+ */
+#ifndef CO_PORT_BUS_H
+#define CO_PORT_BUS_H
+
+#include "base/error.h"
+#include "base/frame.h"
+#include "base/time.h"
+
+#include <stddef.h>
+
+struct bus;
+
+enum bus_state {
+    BUS_ACTIVE,
+    BUS_WARNING,
+    BUS_PASSIVE,
+    BUS_OFF,
+    BUS_DOWN /* interface down or gone, or held by a stopped process */
+};
+
+struct bus_options {
+    bool own_frames; /* deliver the frames sent here too, marked CO_FRAME_OWN, at their place */
+    unsigned bitrate; /* kbit/s the network is configured for, compared where the bus knows its own */
+};
+
+struct bus_rx {
+    struct co_frame frame; /* with the tag it was sent with, where CO_FRAME_OWN is set */
+    co_us_t time;          /* of reception, monotonic */
+    unsigned lost;         /* frames lost before this one, because the reader was too slow */
+};
+
+struct bus_filter { /* passes a frame if (id & mask) == (this id & mask) and the kind is equal */
+    uint32_t id;
+    uint32_t mask;
+    uint8_t flags;      /* CO_FRAME_EXT, CO_FRAME_RTR */
+    uint8_t flags_mask;
+};
+
+/*
+ * CO_ERR_NO_BUS: no such interface; CO_ERR_DOWN: it is down; CO_ERR_PERMISSION; CO_ERR_BITRATE: it runs
+ * at another bit rate; CO_ERR_ARG: the name is none; CO_ERR_IO, CO_ERR_MEMORY.
+ * message (may be NULL) gets one line of text: what is wrong and the command that mends it.
+ */
+enum co_err bus_open(const char *name, const struct bus_options *options, struct bus **ret_bus,
+                     char *message, size_t message_size);
+void bus_close(struct bus *self);
+
+/* CO_ERR_AGAIN: no room at the moment, try again in a millisecond; CO_ERR_DOWN, CO_ERR_NO_BUS,
+ * CO_ERR_HELD, CO_ERR_IO. */
+enum co_err bus_send(struct bus *self, const struct co_frame *frame);
+/* CO_ERR_AGAIN: nothing there; CO_ERR_DOWN, CO_ERR_NO_BUS, CO_ERR_IO. */
+enum co_err bus_receive(struct bus *self, struct bus_rx *ret_rx);
+/* Until a frame is there, bus_wake() or the deadline; CO_OK, CO_ERR_TIMEOUT, CO_ERR_DOWN, ... */
+enum co_err bus_wait(struct bus *self, co_us_t deadline);
+/* Ends a bus_wait() of another thread, or the next one. */
+void bus_wake(struct bus *self);
+
+/* Without filters all data frames with 11-bit identifiers pass. CO_ERR_ARG: too many. */
+enum co_err bus_set_filters(struct bus *self, const struct bus_filter *filters, size_t count);
+enum bus_state bus_get_state(struct bus *self);
+const char *bus_name(const struct bus *self);
+
+#endif

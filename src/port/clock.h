@@ -1,0 +1,9 @@
+/* The monotonic clock, the only source of co_us_t in the running stack. Any thread. */
+#ifndef CO_PORT_CLOCK_H
+#define CO_PORT_CLOCK_H
+
+#include "base/time.h"
+
+co_us_t clock_now(void);
+
+#endif

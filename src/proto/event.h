@@ -1,0 +1,30 @@
+/*
+ * What the machines of proto/ tell their owner, through the outbox.
+ */
+#ifndef CO_PROTO_EVENT_H
+#define CO_PROTO_EVENT_H
+
+enum proto_event {
+    PROTO_NONE = 0,
+    /*
+     * A transfer of an SDO client has ended; exactly one for each start.
+     *   node, index, sub   the server and the object
+     *   detail             enum sdo_outcome
+     *   code               abort code, ours or the server's; 0 when it went well
+     *   actual             bytes transferred; for SDO_OUTCOME_OVERFLOW bytes needed, 0 unknown
+     */
+    PROTO_SDO_DONE,
+    /*
+     * An SDO server has received a whole value for an entry and waits for sdo_server_verdict().
+     *   index, sub, actual   the object, the number of bytes; sdo_server_value() has them
+     */
+    PROTO_SDO_WRITE,
+    /* A watched node's heartbeat reports another NMT state, or its first: node, detail (state). */
+    PROTO_HB_STATE,
+    /* A watched node has been silent for its whole period: node, detail (last state). */
+    PROTO_HB_LOST,
+    /* An emergency has come: node, code (error code), detail (error register), data (all 8 bytes). */
+    PROTO_EMCY
+};
+
+#endif

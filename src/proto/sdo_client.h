@@ -1,0 +1,84 @@
+/*
+ * SDO client: one transfer at a time with one server (CiA 301, 7.2.4), expedited and segmented.
+ *
+ *   in   a request, the server's answers, the own frames as transmit confirmation, the time
+ *   out  request frames; PROTO_SDO_DONE, exactly once for each started transfer
+ *
+ *            start             answer
+ *   IDLE ----------> INITIATE --------> [SEGMENT ... SEGMENT] --> IDLE, PROTO_SDO_DONE
+ *
+ * The time-out is the server's silence: it runs from the moment the request is on the wire (its own
+ * frame comes back, CO_FRAME_OWN) and starts anew with each request. A request that does not get on
+ * the wire has a time limit of its own. After a time-out the server is told (05040000h). An answer
+ * that does not fit the object asked for is taken for a late one and ignored.
+ *
+ *   owner    the manager: one client for each remote node
+ *   locking  none; the owner's
+ */
+#ifndef CO_PROTO_SDO_CLIENT_H
+#define CO_PROTO_SDO_CLIENT_H
+
+#include "base/outbox.h"
+#include "base/time.h"
+#include "od/abort.h"
+
+#define SDO_REQUEST_ID    0x600u /* + node-ID, client to server */
+#define SDO_RESPONSE_ID   0x580u
+#define SDO_SEND_TIMEOUT  CO_MS(2000) /* for a request to get on the wire */
+
+enum sdo_outcome {
+    SDO_OUTCOME_OK,
+    SDO_OUTCOME_ABORTED,      /* by the server; the event has its code */
+    SDO_OUTCOME_NO_ANSWER,    /* time-out, 05040000h was sent */
+    SDO_OUTCOME_NOT_SENT,     /* the request did not get on the wire in time */
+    SDO_OUTCOME_TOGGLE,       /* wrong toggle bit, 05030000h was sent */
+    SDO_OUTCOME_PROTOCOL,     /* unexpected answer, the code in the event was sent */
+    SDO_OUTCOME_OVERFLOW,     /* the server has more than fits, 05040005h was sent */
+    SDO_OUTCOME_CANCELLED     /* by sdo_client_cancel() */
+};
+
+enum sdo_client_state { SDO_CLIENT_IDLE, SDO_CLIENT_INITIATE, SDO_CLIENT_SEGMENT };
+
+struct sdo_transfer {
+    bool download; /* to the server */
+    bool indicate_size; /* segmented download: tell the size in advance */
+    uint16_t index;
+    uint8_t sub;
+    uint8_t *buffer;       /* download: what to write; upload: where to */
+    uint32_t size;         /* download: bytes to write; upload: room in buffer */
+    co_us_t timeout;       /* silence of the server, > 0 */
+};
+
+struct sdo_client {
+    uint8_t node;
+    uint8_t state; /* enum sdo_client_state */
+    bool unsent;   /* a request is due that found no room in the outbox */
+    bool on_wire;  /* the last request was confirmed; the time-out runs */
+    bool toggle;
+    struct sdo_transfer transfer;
+    uint32_t position; /* bytes transferred */
+    uint32_t announced; /* size the server indicated in an upload; UINT32_MAX: none */
+    uint8_t last_size; /* data bytes in the segment sent last */
+    co_us_t deadline;
+    unsigned late; /* answers that fitted no request, ignored */
+};
+
+void sdo_client_init(struct sdo_client *self, uint8_t node);
+bool sdo_client_busy(const struct sdo_client *self);
+
+/* It must be idle. The buffer must stay until PROTO_SDO_DONE. */
+void sdo_client_start(struct sdo_client *self, const struct sdo_transfer *transfer, co_us_t now,
+                      struct co_outbox *out);
+/*
+ * Ends a running transfer with SDO_OUTCOME_CANCELLED. The server is told (code) only when it is in
+ * the middle of segments; nothing is done when idle, or when the outbox has no room (false).
+ */
+bool sdo_client_cancel(struct sdo_client *self, sdo_abort_t code, struct co_outbox *out);
+
+/* Takes the server's answers and the own requests; ignores all other frames. */
+void sdo_client_on_frame(struct sdo_client *self, const struct co_frame *frame, co_us_t now,
+                         struct co_outbox *out);
+void sdo_client_on_time(struct sdo_client *self, co_us_t now, struct co_outbox *out);
+co_us_t sdo_client_deadline(const struct sdo_client *self);
+
+#endif

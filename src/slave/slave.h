@@ -1,0 +1,70 @@
+/*
+ * A local CANopen device: its communication objects, its NMT state machine and its reset rules
+ * (CiA 301, 7.3), on an object dictionary that its owner has filled.
+ *
+ *   in   frames of the bus (all of them, those of other local devices too), the time
+ *   out  boot-up, heartbeat, SDO answers, emergencies; the events below
+ *
+ *            slave_start()             start                 stop
+ *   (off) ---> INITIALISING --> PRE-OPERATIONAL <--> OPERATIONAL <--> STOPPED
+ *                    ^ boot-up                                           |
+ *                    +------ reset node, reset communication ------------+
+ *
+ * Reset communication brings the power-on values of 1000h..1FFFh back, reset node those of all
+ * objects. The power-on values are the DefaultValues, or what 1010h "save" stored since.
+ *
+ *   owner    runtime/, or a test; it owns the dictionary
+ *   locking  none; the owner's
+ */
+#ifndef CO_SLAVE_SLAVE_H
+#define CO_SLAVE_SLAVE_H
+
+#include "base/outbox.h"
+#include "od/od.h"
+#include "proto/emcy.h"
+#include "proto/heartbeat.h"
+#include "proto/nmt.h"
+#include "proto/sdo_server.h"
+
+enum slave_event {
+    SLAVE_STATE = 100, /* node, detail: the NMT state entered; NMT_INITIALISING with each reset */
+    SLAVE_WRITTEN,     /* node, index, sub: a client has written an entry, actual: its number */
+    SLAVE_EMCY         /* node, code, data: an emergency of its own was raised */
+};
+
+struct slave {
+    uint8_t node;
+    uint8_t state; /* enum nmt_state */
+    struct od *od;
+    struct sdo_server server;
+    struct hb_producer heartbeat;
+    struct emcy_producer emcy;
+    uint8_t *buffer; /* of the SDO server */
+    /* What the machines inside tell; settled before a call returns. */
+    struct co_outbox inner;
+    struct co_frame inner_frames[4];
+    struct co_event inner_events[4];
+    bool boot_up_due; /* found no room in the outbox */
+};
+
+/*
+ * Prepares a device; it is silent until slave_start(). Objects that every device needs and the
+ * dictionary lacks are added: 1000h, 1001h, 1018h. CO_ERR_MEMORY; CO_ERR_ARG: node not 1..127.
+ */
+enum co_err slave_init(struct slave *self, uint8_t node, struct od *od);
+void slave_done(struct slave *self);
+
+/* Power on: reset node, boot-up, pre-operational. */
+void slave_start(struct slave *self, co_us_t now, struct co_outbox *out);
+
+/* What an NMT command of the master, or of the device itself, does. */
+void slave_command(struct slave *self, enum nmt_command command, co_us_t now,
+                   struct co_outbox *out);
+
+/* Frames with CO_FRAME_OWN are its own and ignored. */
+void slave_on_frame(struct slave *self, const struct co_frame *frame, co_us_t now,
+                    struct co_outbox *out);
+void slave_on_time(struct slave *self, co_us_t now, struct co_outbox *out);
+co_us_t slave_deadline(const struct slave *self);
+
+#endif

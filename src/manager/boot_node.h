@@ -1,0 +1,112 @@
+/*
+ * Boot of one node: "start boot slave" of CiA 302-2, from the first read to the start.
+ *
+ *   in   the owner's orders, results of its SDO request, the node's error control frames, the time
+ *   out  NMT frames; MANAGER_NODE_... events
+ *
+ *                +----------------- boot-up message ----------------+
+ *                v                                                  |
+ *   RESET -> DEVICE_TYPE -> IDENTITY -> CHECK_CONFIGURATION -> CONFIGURE -> SAVE
+ *     ^          | no answer                    | up to date          |
+ *     |          v                              +------------+--------+
+ *     +------- RETRY (1 s)                                   v
+ *                                     FAILED <------- ERROR_CONTROL -> READY -> STARTED
+ *
+ * The node's SDO request is submitted by the owner: request_due says that it wants to be. The owner hands
+ * the result back with boot_node_on_sdo(). Steps for which nothing is configured are passed at once.
+ *
+ *   owner    boot_network
+ */
+#ifndef CO_MANAGER_BOOT_NODE_H
+#define CO_MANAGER_BOOT_NODE_H
+
+#include "base/outbox.h"
+#include "manager/event.h"
+#include "manager/network_config.h"
+#include "manager/sdo_channel.h"
+#include "proto/heartbeat.h"
+#include "proto/nmt.h"
+
+#define BOOT_READ_TRIES     3u           /* of a read that gets no answer */
+#define BOOT_RETRY_INTERVAL CO_MS(1000)  /* CiA 302-2: until the next attempt */
+#define BOOT_FLASH_TIMEOUT  CO_MS(10000) /* for objects that make a device write its flash */
+
+enum boot_step { /* values are those of MCANOPEN_STEP_... */
+    BOOT_IDLE = 0,
+    BOOT_RESET = 1,
+    BOOT_DEVICE_TYPE = 2,
+    BOOT_IDENTITY = 3,
+    BOOT_CHECK_CONFIGURATION = 4,
+    BOOT_CONFIGURE = 5,
+    BOOT_SAVE = 6,
+    BOOT_ERROR_CONTROL = 7,
+    BOOT_READY = 8,
+    BOOT_STARTED = 9,
+    BOOT_RETRY = 10,
+    BOOT_FAILED = 11
+};
+
+/* Why the last attempt failed: kept until the node has booted. */
+struct boot_failure {
+    char letter;     /* CiA 302-2 status B..O; 0: none */
+    uint8_t step;    /* enum boot_step */
+    uint8_t outcome; /* enum sdo_outcome; SDO_OUTCOME_OK: a value that differs, or no heartbeat */
+    uint16_t index;
+    uint8_t sub;
+    sdo_abort_t abort_code;
+    uint32_t expected, actual;
+    uint32_t entry; /* step CONFIGURE: number of the entry, from 1 */
+};
+
+struct boot_node {
+    const struct node_config *config; /* NULL: not in the configuration */
+    uint8_t step;      /* enum boot_step */
+    uint8_t nmt_state; /* reported, or assumed where there is no heartbeat; INITIALISING: offline */
+    bool tried;        /* one attempt has ended, well or not */
+    bool booted;       /* the last attempt ended well */
+    bool start_due;    /* to be started as soon as there is room */
+    bool reset_due;    /* RESET: the command is still to be sent */
+    uint8_t reset_command;
+    co_us_t deadline;
+    unsigned attempts; /* since it was last booted */
+    struct boot_failure failure;
+    struct boot_failure told; /* last failure reported, not to report it again each second */
+    struct sdo_request request;
+    bool request_due;
+    unsigned tries;     /* of the running read */
+    uint8_t part;       /* IDENTITY, CHECK_CONFIGURATION: sub-index being read */
+    uint8_t value[8];   /* what a read brings, what "save" writes */
+    struct ccf_reader reader;
+    struct ccf_entry entry; /* being written */
+    uint32_t entry_number;
+    struct hb_consumer heartbeat;
+    co_us_t last_heartbeat; /* of this attempt; 0: none */
+    uint8_t last_state;
+};
+
+void boot_node_init(struct boot_node *self, uint8_t node, const struct node_config *config);
+
+/* True for a node that the master boots: in the list (1F81h bit 0) and not left to the application. */
+bool boot_node_is_booted_by_master(const struct boot_node *self);
+
+/* A new attempt from the first read on. The owner has taken its request back before. */
+void boot_node_begin(struct boot_node *self, co_us_t now, struct co_outbox *out);
+/* The same after an NMT reset command to the node and its boot delay. */
+void boot_node_reset(struct boot_node *self, enum nmt_command command, co_us_t now,
+                     struct co_outbox *out);
+/* Sends NMT start as soon as there is room; it must be READY or STARTED. */
+void boot_node_start(struct boot_node *self, co_us_t now, struct co_outbox *out);
+/* It was commanded by a broadcast, or directly by the application. */
+void boot_node_commanded(struct boot_node *self, enum nmt_command command);
+/* Back to IDLE, no error control: the network starts anew. */
+void boot_node_stop(struct boot_node *self);
+
+void boot_node_on_sdo(struct boot_node *self, co_us_t now, struct co_outbox *out);
+void boot_node_on_error_control(struct boot_node *self, const struct co_frame *frame,
+                                co_us_t now, struct co_outbox *out);
+/* Step ERROR_CONTROL goes on when the node's heartbeat has come. */
+void boot_node_on_heartbeat(struct boot_node *self, co_us_t now, struct co_outbox *out);
+void boot_node_on_time(struct boot_node *self, co_us_t now, struct co_outbox *out);
+co_us_t boot_node_deadline(const struct boot_node *self);
+
+#endif

@@ -1,0 +1,83 @@
+#include "manager/sdo_channel.h"
+
+#include <stddef.h>
+
+void sdo_channel_init(struct sdo_channel *self, uint8_t node)
+{
+    *self = (struct sdo_channel){ .running = NULL };
+    sdo_client_init(&self->client, node);
+}
+
+static void start_next(struct sdo_channel *self, co_us_t now, struct co_outbox *out)
+{
+    struct sdo_request *request = self->first;
+
+    if (self->running || !request || sdo_client_busy(&self->client))
+        return;
+    self->first = request->next;
+    if (!self->first)
+        self->last = NULL;
+    request->next = NULL;
+    request->state = REQUEST_RUNNING;
+    self->running = request;
+    sdo_client_start(&self->client, &request->transfer, now, out);
+}
+
+void sdo_channel_submit(struct sdo_channel *self, struct sdo_request *request, co_us_t now,
+                        struct co_outbox *out)
+{
+    request->next = NULL;
+    request->state = REQUEST_QUEUED;
+    if (self->last)
+        self->last->next = request;
+    else
+        self->first = request;
+    self->last = request;
+    start_next(self, now, out);
+}
+
+static void unlink_waiting(struct sdo_channel *self, struct sdo_request *request)
+{
+    struct sdo_request *previous = NULL;
+
+    for (struct sdo_request *r = self->first; r; previous = r, r = r->next) {
+        if (r != request)
+            continue;
+        if (previous)
+            previous->next = r->next;
+        else
+            self->first = r->next;
+        if (self->last == r)
+            self->last = previous;
+        return;
+    }
+}
+
+bool sdo_channel_cancel(struct sdo_channel *self, struct sdo_request *request, sdo_abort_t code,
+                        co_us_t now, struct co_outbox *out)
+{
+    if (self->running == request) {
+        if (!sdo_client_cancel(&self->client, code, out))
+            return false;
+        self->running = NULL;
+        start_next(self, now, out);
+    } else {
+        unlink_waiting(self, request);
+    }
+    request->state = REQUEST_IDLE;
+    return true;
+}
+
+struct sdo_request *sdo_channel_on_done(struct sdo_channel *self, const struct co_event *event,
+                                        co_us_t now, struct co_outbox *out)
+{
+    struct sdo_request *request = self->running;
+
+    if (event->detail == SDO_OUTCOME_CANCELLED || !request)
+        return NULL; /* sdo_channel_cancel() has done everything */
+    request->state = REQUEST_DONE;
+    request->result = *event;
+    self->running = NULL;
+    start_next(self, now, out);
+    return request;
+}

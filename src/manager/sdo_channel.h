@@ -1,0 +1,43 @@
+/*
+ * The SDO channel to one node: requests of the boot process and of the application, one at a time.
+ *
+ *   in   requests, PROTO_SDO_DONE of its client
+ *   out  the ended request, with its result
+ *
+ * A request belongs to who made it and must stay until it is DONE or cancelled. Its time-out starts when
+ * its turn comes.
+ */
+#ifndef CO_MANAGER_SDO_CHANNEL_H
+#define CO_MANAGER_SDO_CHANNEL_H
+
+#include "proto/sdo_client.h"
+
+enum sdo_request_state { REQUEST_IDLE, REQUEST_QUEUED, REQUEST_RUNNING, REQUEST_DONE };
+
+struct sdo_request {
+    struct sdo_request *next;
+    struct sdo_transfer transfer;
+    uint8_t state;          /* enum sdo_request_state */
+    struct co_event result; /* PROTO_SDO_DONE, once DONE */
+};
+
+struct sdo_channel {
+    struct sdo_client client;
+    struct sdo_request *running;
+    struct sdo_request *first, *last; /* waiting */
+};
+
+void sdo_channel_init(struct sdo_channel *self, uint8_t node);
+void sdo_channel_submit(struct sdo_channel *self, struct sdo_request *request, co_us_t now,
+                        struct co_outbox *out);
+/*
+ * Takes a request out, running or waiting; it becomes IDLE and gives no event. code 0: the server is
+ * not told. False when the outbox has no room to tell it: try again.
+ */
+bool sdo_channel_cancel(struct sdo_channel *self, struct sdo_request *request, sdo_abort_t code,
+                        co_us_t now, struct co_outbox *out);
+/* Hands over the client's PROTO_SDO_DONE; the request that ended with it, or NULL (cancelled). */
+struct sdo_request *sdo_channel_on_done(struct sdo_channel *self, const struct co_event *event,
+                                        co_us_t now, struct co_outbox *out);
+
+#endif

@@ -105,7 +105,7 @@ void boot_node_on_sdo(struct boot_node *self, co_us_t now, struct co_outbox *out
 void boot_node_on_error_control(struct boot_node *self, const struct co_frame *frame,
                                 co_us_t now, struct co_outbox *out);
 /* Step ERROR_CONTROL goes on when the node's heartbeat has come. */
-void boot_node_on_heartbeat(struct boot_node *self, co_us_t now, struct co_outbox *out);
+void boot_node_on_heartbeat(struct boot_node *self, struct co_outbox *out);
 void boot_node_on_time(struct boot_node *self, co_us_t now, struct co_outbox *out);
 co_us_t boot_node_deadline(const struct boot_node *self);
 

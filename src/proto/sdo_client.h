@@ -44,7 +44,8 @@ struct sdo_transfer {
     bool indicate_size; /* segmented download: tell the size in advance */
     uint16_t index;
     uint8_t sub;
-    uint8_t *buffer;       /* download: what to write; upload: where to */
+    const uint8_t *source; /* download: what to write */
+    uint8_t *buffer;       /* upload: where to */
     uint32_t size;         /* download: bytes to write; upload: room in buffer */
     co_us_t timeout;       /* silence of the server, > 0 */
 };

@@ -1,0 +1,553 @@
+#include "manager/boot_node.h"
+
+#include "base/bytes.h"
+
+#include <string.h>
+
+static const uint8_t save_signature[4] = { 's', 'a', 'v', 'e' };
+
+void boot_node_init(struct boot_node *self, uint8_t node, const struct node_config *config)
+{
+    memset(self, 0, sizeof *self);
+    self->config = config;
+    self->deadline = CO_NEVER;
+    self->nmt_state = NMT_INITIALISING;
+    hb_consumer_init(&self->heartbeat, node);
+}
+
+bool boot_node_is_booted_by_master(const struct boot_node *self)
+{
+    return self->config && self->config->nmt_slave;
+}
+
+static void put_event(const struct boot_node *self, struct co_event event, struct co_outbox *out)
+{
+    event.node = self->config->node_id;
+    co_outbox_put_event(out, &event);
+}
+
+static void enter(struct boot_node *self, enum boot_step step, struct co_outbox *out)
+{
+    self->step = (uint8_t)step;
+    self->deadline = CO_NEVER;
+    self->tries = 0;
+    put_event(self, (struct co_event){ .type = MANAGER_NODE_STEP,
+                                       .detail = (uint8_t)step,
+                                       .actual = step == BOOT_CONFIGURE ? self->reader.left : 0 },
+              out);
+}
+
+/* --- how an attempt ends --- */
+
+static bool same_failure(const struct boot_failure *a, const struct boot_failure *b)
+{
+    return a->letter == b->letter && a->step == b->step && a->outcome == b->outcome &&
+           a->index == b->index && a->sub == b->sub && a->abort_code == b->abort_code &&
+           a->actual == b->actual;
+}
+
+static bool is_busy_answer(sdo_abort_t code)
+{
+    return code == SDO_NO_CONNECTION || code == SDO_DEVICE_STATE;
+}
+
+/*
+ * No answer, or an answer that says "not now", may be another one next time. A configuration is not
+ * repeated in parts: the next attempt starts with a reset of the node.
+ */
+static bool is_worth_a_retry(const struct boot_failure *failure)
+{
+    if (failure->outcome == SDO_OUTCOME_NO_ANSWER || failure->outcome == SDO_OUTCOME_NOT_SENT)
+        return true;
+    return failure->letter == 'B' ||
+           (failure->outcome == SDO_OUTCOME_ABORTED && is_busy_answer(failure->abort_code));
+}
+
+static void fail(struct boot_node *self, const struct boot_failure *failure, co_us_t now,
+                 struct co_outbox *out)
+{
+    bool retry = is_worth_a_retry(failure);
+
+    self->failure = *failure;
+    self->tried = true;
+    self->booted = false;
+    self->attempts++;
+    if (failure->letter == 'B')
+        self->nmt_state = NMT_INITIALISING;
+    if (!same_failure(failure, &self->told)) {
+        self->told = *failure;
+        put_event(self,
+                  (struct co_event){ .type = MANAGER_NODE_FAILED,
+                                     .detail = (uint8_t)failure->letter,
+                                     .index = failure->index,
+                                     .sub = failure->sub,
+                                     .code = failure->abort_code,
+                                     .expected = failure->expected,
+                                     .actual = failure->actual },
+                  out);
+    }
+    self->step = retry ? BOOT_RETRY : BOOT_FAILED;
+    self->deadline = retry ? now + BOOT_RETRY_INTERVAL : CO_NEVER;
+    self->reset_due = retry && (failure->step == BOOT_CONFIGURE || failure->step == BOOT_SAVE);
+    self->reset_command =
+        self->config->reset_node ? NMT_RESET_NODE : NMT_RESET_COMMUNICATION;
+}
+
+static void fail_request(struct boot_node *self, char letter, co_us_t now, struct co_outbox *out)
+{
+    const struct co_event *result = &self->request.result;
+    struct boot_failure failure = {
+        .letter = letter,
+        .step = self->step,
+        .outcome = result->detail,
+        .index = result->index,
+        .sub = result->sub,
+        .abort_code = result->code,
+        .entry = self->step == BOOT_CONFIGURE ? self->entry_number : 0,
+    };
+
+    fail(self, &failure, now, out);
+}
+
+static void succeed(struct boot_node *self, struct co_outbox *out)
+{
+    self->tried = true;
+    self->booted = true;
+    self->attempts = 0;
+    self->failure = (struct boot_failure){ .letter = 0 };
+    self->told = self->failure;
+    put_event(self, (struct co_event){ .type = MANAGER_NODE_BOOTED }, out);
+    enter(self, BOOT_READY, out);
+}
+
+/* --- reads and writes --- */
+
+static void want_request(struct boot_node *self, const struct sdo_transfer *transfer)
+{
+    self->request.transfer = *transfer;
+    self->request_due = true;
+}
+
+static void read_object(struct boot_node *self, uint16_t index, uint8_t sub)
+{
+    struct sdo_transfer transfer = { .index = index,
+                                     .sub = sub,
+                                     .buffer = self->value,
+                                     .size = sizeof self->value,
+                                     .timeout = CO_MS(self->config->sdo_timeout) };
+
+    self->tries++;
+    want_request(self, &transfer);
+}
+
+static co_us_t write_timeout(const struct boot_node *self, uint16_t index)
+{
+    bool flash = index == 0x1010 || index == 0x1011 || (index >= 0x1F50 && index <= 0x1F57);
+    co_us_t timeout = CO_MS(self->config->sdo_timeout);
+
+    return flash && timeout < BOOT_FLASH_TIMEOUT ? BOOT_FLASH_TIMEOUT : timeout;
+}
+
+static void write_object(struct boot_node *self, const struct ccf_entry *entry)
+{
+    struct sdo_transfer transfer = { .download = true,
+                                     .indicate_size = self->config->indicate_size,
+                                     .index = entry->index,
+                                     .sub = entry->sub,
+                                     .source = entry->value,
+                                     .size = entry->size,
+                                     .timeout = write_timeout(self, entry->index) };
+
+    want_request(self, &transfer);
+}
+
+/* --- the steps, last one first: each goes on to the next when it has nothing to do --- */
+
+/* A heartbeat of this attempt that is not too old counts: the producer runs. */
+static void take_up_heartbeat(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    struct co_frame last =
+        nmt_error_control_frame(self->config->node_id, self->last_state);
+
+    if (self->last_heartbeat && now - self->last_heartbeat < self->heartbeat.period)
+        hb_consumer_on_frame(&self->heartbeat, &last, self->last_heartbeat, out);
+}
+
+static void enter_error_control(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    co_us_t period = CO_MS(self->config->consumer_heartbeat_time);
+
+    hb_consumer_start(&self->heartbeat, period);
+    if (period == 0) {
+        succeed(self, out);
+        return;
+    }
+    enter(self, BOOT_ERROR_CONTROL, out);
+    self->deadline = now + period;
+    take_up_heartbeat(self, now, out);
+}
+
+static void enter_save(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    const struct ccf_entry save = { .index = 0x1010,
+                                    .sub = 1,
+                                    .size = sizeof save_signature,
+                                    .value = save_signature };
+
+    if (!self->config->save_configuration) {
+        enter_error_control(self, now, out);
+        return;
+    }
+    enter(self, BOOT_SAVE, out);
+    write_object(self, &save);
+}
+
+static void write_next_entry(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    if (!ccf_read(&self->reader, &self->entry)) {
+        enter_save(self, now, out);
+        return;
+    }
+    self->entry_number++;
+    write_object(self, &self->entry);
+}
+
+static void enter_configure(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    ccf_reader_init(&self->reader, &self->config->ccf);
+    self->entry_number = 0;
+    if (self->reader.left == 0) {
+        enter_error_control(self, now, out);
+        return;
+    }
+    enter(self, BOOT_CONFIGURE, out);
+    write_next_entry(self, now, out);
+}
+
+/* What 1020h should say: from the network's file, else what the configuration itself writes there. */
+static uint32_t expected_1020(const struct boot_node *self, uint8_t sub)
+{
+    uint32_t expected =
+        sub == 1 ? self->config->configuration_date : self->config->configuration_time;
+    struct ccf_reader reader;
+    struct ccf_entry entry;
+
+    ccf_reader_init(&reader, &self->config->ccf);
+    while (expected == 0 && ccf_read(&reader, &entry))
+        if (entry.index == 0x1020 && entry.sub == sub && entry.size == 4)
+            return get_le32(entry.value);
+    return expected;
+}
+
+static void enter_check_configuration(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    if (expected_1020(self, 1) == 0 || expected_1020(self, 2) == 0) {
+        enter_configure(self, now, out);
+        return;
+    }
+    enter(self, BOOT_CHECK_CONFIGURATION, out);
+    self->part = 1;
+    read_object(self, 0x1020, self->part);
+}
+
+struct identity {
+    uint8_t sub;
+    char letter;
+    uint32_t expected; /* 0: not compared */
+};
+
+static struct identity identity_of(const struct boot_node *self, uint8_t sub)
+{
+    const struct node_config *config = self->config;
+
+    switch (sub) {
+    case 1: return (struct identity){ sub, 'D', config->vendor_id };
+    case 2: return (struct identity){ sub, 'M', config->product_code };
+    case 3: return (struct identity){ sub, 'N', config->revision_number };
+    default: return (struct identity){ 4, 'O', config->serial_number };
+    }
+}
+
+/* Only what is to be compared is read: a device need not have the others. */
+static void read_identity_from(struct boot_node *self, uint8_t sub, co_us_t now,
+                               struct co_outbox *out)
+{
+    while (sub <= 4 && identity_of(self, sub).expected == 0)
+        sub++;
+    if (sub > 4) {
+        enter_check_configuration(self, now, out);
+        return;
+    }
+    if (self->step != BOOT_IDENTITY)
+        enter(self, BOOT_IDENTITY, out);
+    self->part = sub;
+    self->tries = 0;
+    read_object(self, 0x1018, sub);
+}
+
+/* --- results --- */
+
+static uint32_t read_number(const struct boot_node *self)
+{
+    const struct co_event *result = &self->request.result;
+
+    return (uint32_t)get_le(self->value, result->actual < 4 ? (size_t)result->actual : 4);
+}
+
+static void tell_read(const struct boot_node *self, struct co_outbox *out)
+{
+    put_event(self,
+              (struct co_event){ .type = MANAGER_NODE_READ,
+                                 .index = self->request.result.index,
+                                 .sub = self->request.result.sub,
+                                 .actual = read_number(self) },
+              out);
+}
+
+/* True if the value read is the one expected (0: any); else the attempt has failed with the letter. */
+static bool compare(struct boot_node *self, char letter, uint32_t expected, co_us_t now,
+                    struct co_outbox *out)
+{
+    struct boot_failure failure = { .letter = letter,
+                                    .step = self->step,
+                                    .index = self->request.result.index,
+                                    .sub = self->request.result.sub,
+                                    .expected = expected,
+                                    .actual = read_number(self) };
+
+    tell_read(self, out);
+    if (expected == 0 || failure.actual == expected)
+        return true;
+    fail(self, &failure, now, out);
+    return false;
+}
+
+static void on_device_type(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out)
+{
+    if (!ok) {
+        fail_request(self, 'B', now, out);
+        return;
+    }
+    if (self->nmt_state == NMT_INITIALISING)
+        self->nmt_state = NMT_PREOPERATIONAL;
+    if (compare(self, 'C', self->config->device_type, now, out))
+        read_identity_from(self, 1, now, out);
+}
+
+static void on_identity(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out)
+{
+    struct identity identity = identity_of(self, self->part);
+
+    if (!ok)
+        fail_request(self, identity.letter, now, out);
+    else if (compare(self, identity.letter, identity.expected, now, out))
+        read_identity_from(self, (uint8_t)(identity.sub + 1), now, out);
+}
+
+/* A device without 1020h, or one that does not tell, is configured: that is always right. */
+static void on_check(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out)
+{
+    if (ok)
+        tell_read(self, out);
+    if (!ok || read_number(self) != expected_1020(self, self->part)) {
+        enter_configure(self, now, out);
+        return;
+    }
+    if (self->part == 1) {
+        self->part = 2;
+        self->tries = 0;
+        read_object(self, 0x1020, self->part);
+        return;
+    }
+    put_event(self, (struct co_event){ .type = MANAGER_NODE_UP_TO_DATE }, out);
+    enter_error_control(self, now, out);
+}
+
+static void on_written(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out)
+{
+    if (!ok)
+        fail_request(self, 'J', now, out);
+    else if (self->step == BOOT_CONFIGURE)
+        write_next_entry(self, now, out);
+    else
+        enter_error_control(self, now, out);
+}
+
+void boot_node_on_sdo(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    const struct co_event *result = &self->request.result;
+    bool ok = result->detail == SDO_OUTCOME_OK;
+
+    self->request.state = REQUEST_IDLE;
+    if (!self->request.transfer.download && result->detail == SDO_OUTCOME_NO_ANSWER &&
+        self->tries < BOOT_READ_TRIES) {
+        read_object(self, result->index, result->sub);
+        return;
+    }
+    switch ((enum boot_step)self->step) {
+    case BOOT_DEVICE_TYPE: on_device_type(self, ok, now, out); break;
+    case BOOT_IDENTITY: on_identity(self, ok, now, out); break;
+    case BOOT_CHECK_CONFIGURATION: on_check(self, ok, now, out); break;
+    case BOOT_CONFIGURE:
+    case BOOT_SAVE: on_written(self, ok, now, out); break;
+    case BOOT_IDLE:
+    case BOOT_RESET:
+    case BOOT_ERROR_CONTROL:
+    case BOOT_READY:
+    case BOOT_STARTED:
+    case BOOT_RETRY:
+    case BOOT_FAILED: break; /* no request of these steps */
+    }
+}
+
+/* --- orders of the owner --- */
+
+void boot_node_stop(struct boot_node *self)
+{
+    self->step = BOOT_IDLE;
+    self->deadline = CO_NEVER;
+    self->booted = false;
+    self->tried = false;
+    self->start_due = false;
+    self->reset_due = false;
+    self->request_due = false;
+    self->attempts = 0;
+    self->nmt_state = NMT_INITIALISING;
+    self->last_heartbeat = 0;
+    self->told = (struct boot_failure){ .letter = 0 };
+    hb_consumer_start(&self->heartbeat, 0);
+}
+
+void boot_node_begin(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    self->booted = false;
+    self->start_due = false;
+    self->reset_due = false;
+    self->request_due = false;
+    hb_consumer_start(&self->heartbeat, 0);
+    if (!self->config->auto_start_slave) { /* only its error control is the master's */
+        enter_error_control(self, now, out);
+        return;
+    }
+    enter(self, BOOT_DEVICE_TYPE, out);
+    read_object(self, 0x1000, 0);
+}
+
+void boot_node_reset(struct boot_node *self, enum nmt_command command, co_us_t now,
+                     struct co_outbox *out)
+{
+    self->booted = false;
+    self->start_due = false;
+    self->request_due = false;
+    self->last_heartbeat = 0;
+    self->nmt_state = NMT_INITIALISING;
+    self->reset_command = (uint8_t)command;
+    hb_consumer_start(&self->heartbeat, 0);
+    enter(self, BOOT_RESET, out);
+    self->reset_due = true;
+    self->deadline = now;
+    boot_node_on_time(self, now, out);
+}
+
+void boot_node_start(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    self->start_due = true;
+    boot_node_on_time(self, now, out);
+}
+
+void boot_node_commanded(struct boot_node *self, enum nmt_command command)
+{
+    if (self->step != BOOT_READY && self->step != BOOT_STARTED)
+        return;
+    if (command == NMT_START)
+        self->step = BOOT_STARTED;
+    if (self->heartbeat.period == 0)
+        self->nmt_state = (uint8_t)nmt_next_state((enum nmt_state)self->nmt_state, command);
+}
+
+/* --- error control --- */
+
+void boot_node_on_error_control(struct boot_node *self, const struct co_frame *frame,
+                                co_us_t now, struct co_outbox *out)
+{
+    uint8_t node, state;
+
+    if (!nmt_parse_error_control(frame, &node, &state) || state == NMT_INITIALISING)
+        return;
+    self->last_heartbeat = now;
+    self->last_state = state;
+    hb_consumer_on_frame(&self->heartbeat, frame, now, out);
+    if (state == self->nmt_state)
+        return;
+    self->nmt_state = state;
+    put_event(self, (struct co_event){ .type = MANAGER_NODE_STATE, .detail = state }, out);
+}
+
+void boot_node_on_heartbeat(struct boot_node *self, struct co_outbox *out)
+{
+    if (self->step == BOOT_ERROR_CONTROL)
+        succeed(self, out);
+}
+
+/* --- time --- */
+
+static void send_start(struct boot_node *self, struct co_outbox *out)
+{
+    struct co_frame frame = nmt_command_frame(NMT_START, self->config->node_id);
+
+    if (!co_outbox_room(out, 1, 0))
+        return;
+    co_outbox_put_frame(out, &frame);
+    self->start_due = false;
+    boot_node_commanded(self, NMT_START);
+    put_event(self, (struct co_event){ .type = MANAGER_NODE_STARTED }, out);
+}
+
+static void on_reset_time(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    struct co_frame frame = nmt_command_frame((enum nmt_command)self->reset_command,
+                                              self->config->node_id);
+
+    if (!self->reset_due) {
+        boot_node_begin(self, now, out);
+        return;
+    }
+    if (!co_outbox_room(out, 1, 0))
+        return;
+    co_outbox_put_frame(out, &frame);
+    self->reset_due = false;
+    self->deadline = now + CO_MS(self->config->boot_delay);
+}
+
+static void on_no_heartbeat(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    struct boot_failure failure = { .letter = 'K',
+                                    .step = self->step,
+                                    .expected = self->config->consumer_heartbeat_time };
+
+    fail(self, &failure, now, out);
+}
+
+void boot_node_on_time(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    hb_consumer_on_time(&self->heartbeat, now, out);
+    if (self->start_due)
+        send_start(self, out);
+    if (now < self->deadline)
+        return;
+    if (self->step == BOOT_RESET)
+        on_reset_time(self, now, out);
+    else if (self->step == BOOT_ERROR_CONTROL)
+        on_no_heartbeat(self, now, out);
+    else if (self->step == BOOT_RETRY && self->reset_due)
+        boot_node_reset(self, (enum nmt_command)self->reset_command, now, out);
+    else if (self->step == BOOT_RETRY)
+        boot_node_begin(self, now, out);
+}
+
+co_us_t boot_node_deadline(const struct boot_node *self)
+{
+    co_us_t deadline = co_earlier(self->deadline, hb_consumer_deadline(&self->heartbeat));
+
+    return self->start_due ? 0 : deadline;
+}

@@ -1,0 +1,93 @@
+/*
+ * The CANopen manager of one network: NMT master and configuration manager (CiA 302-2, 302-3).
+ *
+ *   in   frames of the bus, the application's orders and SDO requests, the time
+ *   out  frames; MANAGER_... events
+ *
+ *         manager_start()           boot delay over
+ *   OFF ----------------> RESETTING ---------------> BOOTING --- all mandatory nodes booted,
+ *                             ^                       |   ^      all optional ones tried
+ *                             |       Boot_Time over  v   |               |
+ *               RESET_ALL     |                     HALTED              WAITING (Auto_Operational FALSE)
+ *                             |                                           |
+ *                             +-------------------------------------- OPERATIONAL --> STOPPED (STOP_ALL)
+ *
+ * It is a CANopen device as well: 'device' is that, with its own dictionary, boot-up and heartbeat.
+ * Each node of the configuration boots in a machine of its own (boot_node), all in parallel; here
+ * is what they have in common: who starts when, and what a lost node means for the others.
+ *
+ *   owner    runtime/, or a test; it owns the configuration
+ *   locking  none; the owner's
+ */
+#ifndef CO_MANAGER_MANAGER_H
+#define CO_MANAGER_MANAGER_H
+
+#include "manager/boot_node.h"
+#include "manager/network_config.h"
+#include "manager/sdo_channel.h"
+#include "slave/slave.h"
+
+#define MANAGER_INNER_FRAMES 256u
+#define MANAGER_INNER_EVENTS 512u
+
+enum boot_network_state {
+    NETWORK_OFF,
+    NETWORK_RESETTING,
+    NETWORK_BOOTING,
+    NETWORK_HALTED,
+    NETWORK_WAITING,
+    NETWORK_OPERATIONAL,
+    NETWORK_STOPPED
+};
+
+struct manager {
+    const struct network_config *config;
+    struct od od;
+    struct slave device;
+    struct boot_node nodes[NETWORK_NODE_MAX + 1];      /* by node-ID */
+    struct sdo_channel channels[NETWORK_NODE_MAX + 1]; /* by node-ID */
+    uint8_t state; /* enum boot_network_state */
+    bool up_told;  /* MANAGER_NETWORK_UP was given since the last start */
+    bool reset_due;     /* RESETTING: the command is still to be sent */
+    bool start_all_due; /* NMT start all is still to be sent */
+    bool stop_all_due;  /* NMT stop all is still to be sent */
+    uint8_t reset_command;
+    co_us_t deadline;   /* RESETTING: end of the boot delay */
+    co_us_t boot_limit; /* BOOTING: end of Boot_Time, CO_NEVER: none */
+    struct co_outbox inner; /* of the machines inside */
+    struct co_frame inner_frames[MANAGER_INNER_FRAMES];
+    struct co_event inner_events[MANAGER_INNER_EVENTS];
+    unsigned dropped; /* frames that came while nobody took what had been put out */
+};
+
+/* CO_ERR_MEMORY. The configuration must stay; it is checked and its CCFs are there. */
+enum co_err manager_init(struct manager *self, const struct network_config *config);
+void manager_done(struct manager *self);
+
+/* Powers the device on and, as NMT master, boots the network. */
+void manager_start(struct manager *self, co_us_t now, struct co_outbox *out);
+
+/*
+ * An NMT command on behalf of the application, for a node, for the manager itself (its node-ID), or
+ * for all (0). CO_ERR_NOT_FOUND: node not in the configuration; CO_ERR_STATE: not now, the node or the
+ * network is still booting or has failed to; CO_ERR_AGAIN: no room to send it.
+ */
+enum co_err manager_command(struct manager *self, enum nmt_command command, uint8_t node,
+                            co_us_t now, struct co_outbox *out);
+
+/* An SDO request of the application to any node; when it is DONE, MANAGER_REQUEST_DONE follows. */
+void manager_submit(struct manager *self, uint8_t node, struct sdo_request *request, co_us_t now,
+                    struct co_outbox *out);
+/* Takes such a request back; it gives no event any more. */
+void manager_cancel(struct manager *self, uint8_t node, struct sdo_request *request, co_us_t now,
+                    struct co_outbox *out);
+
+/* True when all nodes that have to be up are: mandatory ones, with 'all' the optional ones too. */
+bool manager_is_up(const struct manager *self, bool all);
+
+void manager_on_frame(struct manager *self, const struct co_frame *frame, co_us_t now,
+                      struct co_outbox *out);
+void manager_on_time(struct manager *self, co_us_t now, struct co_outbox *out);
+co_us_t manager_deadline(const struct manager *self);
+
+#endif

@@ -57,7 +57,9 @@ struct od_entry {
     uint8_t access; /* enum od_access */
     bool mappable;
     bool has_low, has_high;
-    int64_t low, high; /* of the type's own sign: unsigned types as uint64_t in the same bits */
+    /* Of the type's own sign: unsigned types as uint64_t in the same bits; REAL32 and REAL64: the
+     * bits of the value in the type's own format. */
+    int64_t low, high;
     uint32_t capacity; /* most bytes a value may have; the type's size for numbers */
     uint32_t size;     /* bytes of the present value */
     uint8_t *value;
@@ -90,7 +92,7 @@ struct od_spec {
 void od_init(struct od *self);
 void od_done(struct od *self);
 
-/* CO_ERR_EXISTS: there already; CO_ERR_ARG: unknown type or a value of the wrong size; CO_ERR_MEMORY */
+/* CO_ERR_EXISTS: there already; CO_ERR_ARG: unknown type, value of wrong size; CO_ERR_MEMORY */
 enum co_err od_add(struct od *self, const struct od_spec *spec, struct od_entry **ret_entry);
 
 /* Adds an UNSIGNED8, 16 or 32 (by size 1, 2, 4), for objects that the stack itself brings. */
@@ -100,7 +102,7 @@ enum co_err od_add_number(struct od *self, uint16_t index, uint8_t sub, uint8_t 
 struct od_entry *od_find(const struct od *self, uint16_t index, uint8_t sub);
 bool od_has_object(const struct od *self, uint16_t index);
 
-/* The number in an entry; 'missing' if there is no such entry. */
+/* The number in an entry (the first 8 bytes of a longer one); 'missing' if there is none. */
 uint64_t od_number(const struct od *self, uint16_t index, uint8_t sub, uint64_t missing);
 /* The number in an entry's present value, sign-extended for signed types. */
 int64_t od_entry_signed(const struct od_entry *entry);
@@ -119,12 +121,15 @@ sdo_abort_t od_check_value(const struct od_entry *entry, const uint8_t *value, u
 
 /* Sets a value whatever the access right; length and limits are checked. */
 sdo_abort_t od_set(struct od_entry *entry, const uint8_t *value, uint32_t size);
-/* Sets a number, in the size of the entry's type; an entry that does not exist is left out. */
+/*
+ * Sets a number, in the size of the entry's type, without looking at limits; an entry that does not
+ * exist, or is a string or domain, is left out.
+ */
 void od_set_number(struct od *self, uint16_t index, uint8_t sub, uint64_t value);
 
 /* Brings the power-on values of the objects first..last back. */
 void od_reset(struct od *self, uint16_t first, uint16_t last);
-/* Makes the present values of the objects first..last the power-on values ("save"). CO_ERR_MEMORY */
+/* Makes the present values of objects first..last the power-on values ("save"). CO_ERR_MEMORY */
 enum co_err od_store(struct od *self, uint16_t first, uint16_t last);
 
 /* Bytes of a value of this type; 0: varies (strings, domain) or no type of CiA 301. */

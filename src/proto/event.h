@@ -10,20 +10,24 @@ enum proto_event {
      * A transfer of an SDO client has ended; exactly one for each start.
      *   node, index, sub   the server and the object
      *   detail             enum sdo_outcome
-     *   code               abort code, ours or the server's; 0 when it went well
+     *   code               abort code, ours or the server's; 0: it went well, or nothing was sent
      *   actual             bytes transferred; for SDO_OUTCOME_OVERFLOW bytes needed, 0 unknown
      */
     PROTO_SDO_DONE,
     /*
      * An SDO server has received a whole value for an entry and waits for sdo_server_verdict().
      *   index, sub, actual   the object, the number of bytes; sdo_server_value() has them
+     *   code                 number of the transfer: sdo_server.number while it still waits
      */
     PROTO_SDO_WRITE,
-    /* A watched node's heartbeat reports another NMT state, or its first: node, detail (state). */
+    /*
+     * A watched node's heartbeat reports another NMT state, or is its first, or its first after a
+     * loss: node, detail (state).
+     */
     PROTO_HB_STATE,
     /* A watched node has been silent for its whole period: node, detail (last state). */
     PROTO_HB_LOST,
-    /* An emergency has come: node, code (error code), detail (error register), data (all 8 bytes). */
+    /* An emergency has come: node, code (error code), detail (error register), data (8 bytes). */
     PROTO_EMCY
 };
 

@@ -36,7 +36,8 @@ co_us_t hb_producer_deadline(const struct hb_producer *self);
 
 struct hb_consumer {
     uint8_t node;
-    uint8_t state;    /* last reported; NMT_INITIALISING until the first heartbeat */
+    uint8_t state;    /* of the last heartbeat; NMT_INITIALISING until the first one */
+    bool untold;      /* that state found no room in the outbox yet */
     bool lost;        /* silent since PROTO_HB_LOST */
     co_us_t period;   /* 0: not watched */
     co_us_t deadline; /* CO_NEVER until the first heartbeat */

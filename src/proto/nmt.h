@@ -1,6 +1,6 @@
 /*
- * NMT: states, commands and their frames (CiA 301, 7.2.8). Pure functions, no machine: the state of a
- * local device is in slave/, that of the network in manager/.
+ * NMT: states, commands and their frames (CiA 301, 7.2.8). Pure functions, no machine: the state of
+ * a local device is in slave/, that of the network in manager/.
  */
 #ifndef CO_PROTO_NMT_H
 #define CO_PROTO_NMT_H
@@ -29,10 +29,13 @@ enum nmt_command {
 
 struct co_frame nmt_command_frame(enum nmt_command command, uint8_t node);
 
-/* True for a well-formed command that is meant for this node; ret_command may be any of the five. */
+/* True for a well-formed command that is meant for this node; ret_command is any of the five. */
 bool nmt_command_for(const struct co_frame *frame, uint8_t node, enum nmt_command *ret_command);
 
-/* The state a command leads to; both resets lead to NMT_INITIALISING. */
+/*
+ * The state a command leads to; both resets lead to NMT_INITIALISING, which no command leaves: a
+ * device does that by itself.
+ */
 enum nmt_state nmt_next_state(enum nmt_state state, enum nmt_command command);
 
 /* Boot-up is state NMT_INITIALISING. */

@@ -5,12 +5,16 @@
  *   out  request frames; PROTO_SDO_DONE, exactly once for each started transfer
  *
  *            start             answer
- *   IDLE ----------> INITIATE --------> [SEGMENT ... SEGMENT] --> IDLE, PROTO_SDO_DONE
+ *   IDLE ----------> INITIATE --------> [SEGMENT ... SEGMENT] --> [END] --> IDLE, PROTO_SDO_DONE
  *
  * The time-out is the server's silence: it runs from the moment the request is on the wire (its own
  * frame comes back, CO_FRAME_OWN) and starts anew with each request. A request that does not get on
- * the wire has a time limit of its own. After a time-out the server is told (05040000h). An answer
- * that does not fit the object asked for is taken for a late one and ignored.
+ * the wire has a time limit of its own; an answer shows as well that it did. After a time-out the
+ * server is told (05040000h).
+ *
+ * Late answers are ignored and counted: those for another object, those to an idle client, and
+ * segments that the server still owes to the transfer before. An abort counts as the server's when
+ * its object is the one asked for, or 0000h:00, as some devices send it.
  *
  *   owner    the manager: one client for each remote node
  *   locking  none; the owner's
@@ -30,14 +34,19 @@ enum sdo_outcome {
     SDO_OUTCOME_OK,
     SDO_OUTCOME_ABORTED,      /* by the server; the event has its code */
     SDO_OUTCOME_NO_ANSWER,    /* time-out, 05040000h was sent */
-    SDO_OUTCOME_NOT_SENT,     /* the request did not get on the wire in time */
+    SDO_OUTCOME_NOT_SENT,     /* the request did not get on the wire in time; no abort, code 0 */
     SDO_OUTCOME_TOGGLE,       /* wrong toggle bit, 05030000h was sent */
     SDO_OUTCOME_PROTOCOL,     /* unexpected answer, the code in the event was sent */
     SDO_OUTCOME_OVERFLOW,     /* the server has more than fits, 05040005h was sent */
     SDO_OUTCOME_CANCELLED     /* by sdo_client_cancel() */
 };
 
-enum sdo_client_state { SDO_CLIENT_IDLE, SDO_CLIENT_INITIATE, SDO_CLIENT_SEGMENT };
+enum sdo_client_state {
+    SDO_CLIENT_IDLE,
+    SDO_CLIENT_INITIATE,
+    SDO_CLIENT_SEGMENT,
+    SDO_CLIENT_END /* over; abort frame or event found no room in the outbox yet */
+};
 
 struct sdo_transfer {
     bool download; /* to the server */
@@ -55,24 +64,30 @@ struct sdo_client {
     uint8_t state; /* enum sdo_client_state */
     bool unsent;   /* a request is due that found no room in the outbox */
     bool on_wire;  /* the last request was confirmed; the time-out runs */
-    bool toggle;
+    bool toggle;       /* bit of the segment asked for, or sent, last */
+    bool owes_segment; /* the transfer before ended without the answer to its last segment */
     struct sdo_transfer transfer;
     uint32_t position; /* bytes transferred */
     uint32_t announced; /* size the server indicated in an upload; UINT32_MAX: none */
     uint8_t last_size; /* data bytes in the segment sent last */
-    co_us_t deadline;
+    co_us_t deadline;  /* of the request's way to the wire, then of the answer */
+    uint8_t outcome;   /* SDO_CLIENT_END: enum sdo_outcome, abort code, bytes for the event */
+    sdo_abort_t code;
+    uint32_t actual;
+    bool tell_server; /* the abort frame is due, too */
     unsigned late; /* answers that fitted no request, ignored */
 };
 
 void sdo_client_init(struct sdo_client *self, uint8_t node);
 bool sdo_client_busy(const struct sdo_client *self);
 
-/* It must be idle. The buffer must stay until PROTO_SDO_DONE. */
+/* It must be idle. The buffer must stay, and stay as it is in a download, until PROTO_SDO_DONE. */
 void sdo_client_start(struct sdo_client *self, const struct sdo_transfer *transfer, co_us_t now,
                       struct co_outbox *out);
 /*
  * Ends a running transfer with SDO_OUTCOME_CANCELLED. The server is told (code) only when it is in
- * the middle of segments; nothing is done when idle, or when the outbox has no room (false).
+ * the middle of segments; nothing is done when idle, or when the outbox has no room (false). A
+ * transfer that is over already ends with the outcome that it had.
  */
 bool sdo_client_cancel(struct sdo_client *self, sdo_abort_t code, struct co_outbox *out);
 

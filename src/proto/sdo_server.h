@@ -7,12 +7,18 @@
  *   IDLE -- upload --> [UP_SEGMENT ...] --> IDLE
  *   IDLE -- download --> [DOWN_SEGMENT ...] --> VERDICT -- sdo_server_verdict() --> IDLE
  *
- * The server checks existence, access right, length and limits itself (od/) and hands a value that
- * passed to its owner, who stores or refuses it: nothing is ever half written. An upload is a snapshot.
- * A new initiate request during a transfer ends that transfer silently and is served.
+ * The server checks existence, access right, length and limits itself (od/), in this order, and
+ * hands a value that passed to its owner, who stores or refuses it: nothing is ever half written.
+ * An upload is a snapshot; a value of no bytes goes in one empty segment. A new initiate request
+ * during a transfer, also while a verdict is waited for, ends that transfer silently and is served.
+ * An abort names the object of the request, or that of the last transfer where the request has
+ * none.
  *
  *   owner    a local device; brings the dictionary and the buffer
  *   locking  none; the owner's
+ *
+ * A request needs room for one frame and one event in the outbox: one that finds none changes
+ * nothing but 'dropped'; the owner may bring it again.
  */
 #ifndef CO_PROTO_SDO_SERVER_H
 #define CO_PROTO_SDO_SERVER_H
@@ -37,6 +43,7 @@ struct sdo_server {
     uint8_t state; /* enum sdo_server_state */
     bool enabled;  /* NMT state pre-operational or operational */
     bool toggle;
+    bool unsent;  /* the verdict's response found no room in the outbox yet */
     bool segmented; /* the running download came in segments: says which response is due */
     uint16_t index;
     uint8_t sub;
@@ -45,6 +52,8 @@ struct sdo_server {
     uint32_t size;      /* upload: bytes in the buffer; download: bytes so far */
     uint32_t position;  /* upload: bytes sent */
     uint32_t announced; /* download: size the client indicated; UINT32_MAX: none */
+    uint32_t number;    /* of the write that came last: tells an old verdict from the right one */
+    sdo_abort_t verdict; /* unsent */
     co_us_t deadline;
     unsigned dropped; /* requests that found no room in the outbox */
 };
@@ -55,7 +64,10 @@ void sdo_server_init(struct sdo_server *self, const struct od *od, uint8_t node,
 void sdo_server_enable(struct sdo_server *self, bool enabled);
 /* The value that waits for a verdict. */
 const uint8_t *sdo_server_value(const struct sdo_server *self);
-/* SDO_OK: the owner has stored the value. Ignored when none is waited for. */
+/*
+ * SDO_OK: the owner has stored the value. Ignored when none is waited for; an owner who gives its
+ * verdicts later compares 'number' with that of the event first.
+ */
 void sdo_server_verdict(struct sdo_server *self, sdo_abort_t code, co_us_t now,
                         struct co_outbox *out);
 

@@ -1,0 +1,230 @@
+#include "od/od.h"
+
+#include "base/bytes.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define STRING_ROOM 64u /* least capacity of a string or domain whose capacity is not told */
+
+void od_init(struct od *self)
+{
+    *self = (struct od){ .count = 0 };
+}
+
+static void free_entry(struct od_entry *entry)
+{
+    free(entry->value);
+    free(entry->initial);
+    free(entry->name);
+    free(entry);
+}
+
+void od_done(struct od *self)
+{
+    for (size_t i = 0; i < self->count; i++)
+        free_entry(self->entries[i]);
+    free(self->entries);
+    od_init(self);
+}
+
+static uint32_t address(uint16_t index, uint8_t sub)
+{
+    return (uint32_t)index << 8 | sub;
+}
+
+/* Place of the first entry that is not before index:sub. */
+static size_t lower_bound(const struct od *self, uint16_t index, uint8_t sub)
+{
+    size_t low = 0, high = self->count;
+
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        const struct od_entry *entry = self->entries[middle];
+
+        if (address(entry->index, entry->sub) < address(index, sub))
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+struct od_entry *od_find(const struct od *self, uint16_t index, uint8_t sub)
+{
+    size_t place = lower_bound(self, index, sub);
+
+    if (place == self->count || self->entries[place]->index != index ||
+        self->entries[place]->sub != sub)
+        return NULL;
+    return self->entries[place];
+}
+
+bool od_has_object(const struct od *self, uint16_t index)
+{
+    size_t place = lower_bound(self, index, 0);
+
+    return place < self->count && self->entries[place]->index == index;
+}
+
+/* The capacity that a description asks for; false if its value does not fit its type. */
+static bool plan_capacity(const struct od_spec *spec, uint32_t *ret_capacity)
+{
+    uint32_t fixed = od_type_size(spec->type);
+    uint32_t size = spec->value ? spec->size : 0;
+
+    if (!od_type_known(spec->type))
+        return false;
+    if (fixed != 0) {
+        *ret_capacity = fixed;
+        return !spec->value || size == fixed;
+    }
+    *ret_capacity = spec->capacity;
+    if (spec->capacity == 0)
+        *ret_capacity = spec->size > STRING_ROOM ? spec->size : STRING_ROOM;
+    return size <= *ret_capacity;
+}
+
+static struct od_entry *new_entry(const struct od_spec *spec, uint32_t capacity)
+{
+    uint32_t fixed = od_type_size(spec->type);
+    uint32_t size = fixed != 0 ? fixed : spec->value ? spec->size : 0;
+    struct od_entry *entry = calloc(1, sizeof *entry);
+
+    if (!entry)
+        return NULL;
+    *entry = (struct od_entry){ .index = spec->index, .sub = spec->sub, .type = spec->type,
+                                .access = spec->access, .mappable = spec->mappable,
+                                .has_low = spec->has_low, .has_high = spec->has_high,
+                                .low = spec->low, .high = spec->high, .capacity = capacity,
+                                .size = size, .initial_size = size };
+    entry->value = calloc(1, capacity);
+    entry->initial = calloc(1, size > 0 ? size : 1);
+    entry->name = spec->name ? strdup(spec->name) : NULL;
+    if (!entry->value || !entry->initial || (spec->name && !entry->name)) {
+        free_entry(entry);
+        return NULL;
+    }
+    if (spec->value && size > 0) {
+        memcpy(entry->value, spec->value, size);
+        memcpy(entry->initial, spec->value, size);
+    }
+    return entry;
+}
+
+static bool make_room(struct od *self)
+{
+    size_t room = self->room ? 2 * self->room : 64;
+    struct od_entry **entries;
+
+    if (self->count < self->room)
+        return true;
+    entries = realloc(self->entries, room * sizeof *entries);
+    if (!entries)
+        return false;
+    self->entries = entries;
+    self->room = room;
+    return true;
+}
+
+enum co_err od_add(struct od *self, const struct od_spec *spec, struct od_entry **ret_entry)
+{
+    size_t place = lower_bound(self, spec->index, spec->sub);
+    struct od_entry *entry;
+    uint32_t capacity = 0;
+
+    if (od_find(self, spec->index, spec->sub))
+        return CO_ERR_EXISTS;
+    if (!plan_capacity(spec, &capacity))
+        return CO_ERR_ARG;
+    if (!make_room(self))
+        return CO_ERR_MEMORY;
+    entry = new_entry(spec, capacity);
+    if (!entry)
+        return CO_ERR_MEMORY;
+    memmove(self->entries + place + 1, self->entries + place,
+            (self->count - place) * sizeof(struct od_entry *));
+    self->entries[place] = entry;
+    self->count++;
+    if (ret_entry)
+        *ret_entry = entry;
+    return CO_OK;
+}
+
+enum co_err od_add_number(struct od *self, uint16_t index, uint8_t sub, uint8_t type,
+                          enum od_access access, uint64_t value)
+{
+    uint8_t bytes[8];
+    uint32_t size = od_type_size(type);
+    const struct od_spec spec = { .index = index, .sub = sub, .type = type,
+                                  .access = (uint8_t)access, .value = bytes, .size = size };
+
+    if (size == 0)
+        return CO_ERR_ARG;
+    put_le(bytes, sizeof bytes, value);
+    return od_add(self, &spec, NULL);
+}
+
+uint64_t od_number(const struct od *self, uint16_t index, uint8_t sub, uint64_t missing)
+{
+    const struct od_entry *entry = od_find(self, index, sub);
+
+    return entry ? get_le(entry->value, entry->size < 8 ? entry->size : 8) : missing;
+}
+
+void od_set_number(struct od *self, uint16_t index, uint8_t sub, uint64_t value)
+{
+    struct od_entry *entry = od_find(self, index, sub);
+
+    if (entry && od_type_size(entry->type) != 0)
+        put_le(entry->value, entry->size, value);
+}
+
+sdo_abort_t od_set(struct od_entry *entry, const uint8_t *value, uint32_t size)
+{
+    sdo_abort_t code = od_check_value(entry, value, size);
+
+    if (code != SDO_OK)
+        return code;
+    if (size > 0)
+        memmove(entry->value, value, size);
+    entry->size = size;
+    return SDO_OK;
+}
+
+void od_reset(struct od *self, uint16_t first, uint16_t last)
+{
+    for (size_t i = lower_bound(self, first, 0); i < self->count; i++) {
+        struct od_entry *entry = self->entries[i];
+
+        if (entry->index > last)
+            return;
+        memcpy(entry->value, entry->initial, entry->initial_size);
+        entry->size = entry->initial_size;
+    }
+}
+
+static bool store_entry(struct od_entry *entry)
+{
+    if (entry->size > entry->initial_size) {
+        uint8_t *initial = realloc(entry->initial, entry->size);
+
+        if (!initial)
+            return false;
+        entry->initial = initial;
+    }
+    memcpy(entry->initial, entry->value, entry->size);
+    entry->initial_size = entry->size;
+    return true;
+}
+
+enum co_err od_store(struct od *self, uint16_t first, uint16_t last)
+{
+    for (size_t i = lower_bound(self, first, 0); i < self->count; i++) {
+        if (self->entries[i]->index > last)
+            break;
+        if (!store_entry(self->entries[i]))
+            return CO_ERR_MEMORY;
+    }
+    return CO_OK;
+}

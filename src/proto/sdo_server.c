@@ -1,0 +1,366 @@
+#include "proto/sdo_server.h"
+
+#include "base/bytes.h"
+#include "proto/event.h"
+
+#include <string.h>
+
+#define REQUEST_ID   0x600u /* + node-ID */
+#define RESPONSE_ID  0x580u
+#define SIZE_UNKNOWN UINT32_MAX
+
+/* Bits 7..5 of byte 0 in the client's requests. */
+enum request {
+    REQUEST_DOWNLOAD_SEGMENT,
+    REQUEST_DOWNLOAD,
+    REQUEST_UPLOAD,
+    REQUEST_UPLOAD_SEGMENT,
+    REQUEST_ABORT,
+    REQUEST_BLOCK_UPLOAD,
+    REQUEST_BLOCK_DOWNLOAD,
+    REQUEST_UNKNOWN
+};
+
+void sdo_server_init(struct sdo_server *self, const struct od *od, uint8_t node, uint8_t *buffer,
+                     uint32_t capacity)
+{
+    *self = (struct sdo_server){ .od = od,
+                                 .request_id = REQUEST_ID + node,
+                                 .response_id = RESPONSE_ID + node,
+                                 .buffer = buffer,
+                                 .capacity = capacity,
+                                 .deadline = CO_NEVER };
+}
+
+/* The only way out of a transfer. */
+static void finish(struct sdo_server *self)
+{
+    self->state = SDO_SERVER_IDLE;
+    self->unsent = false;
+    self->deadline = CO_NEVER;
+}
+
+void sdo_server_enable(struct sdo_server *self, bool enabled)
+{
+    self->enabled = enabled;
+    if (!enabled)
+        finish(self);
+}
+
+const uint8_t *sdo_server_value(const struct sdo_server *self)
+{
+    return self->buffer;
+}
+
+static void wait_for(struct sdo_server *self, enum sdo_server_state state, co_us_t now)
+{
+    self->state = (uint8_t)state;
+    self->deadline = now + SDO_SERVER_TIMEOUT;
+}
+
+static void put_response(const struct sdo_server *self, const uint8_t data[8],
+                         struct co_outbox *out)
+{
+    struct co_frame frame = co_frame_make(self->response_id, 8);
+
+    memcpy(frame.data, data, sizeof frame.data);
+    co_outbox_put_frame(out, &frame);
+}
+
+static void respond_with_object(const struct sdo_server *self, unsigned command,
+                                const uint8_t field[4], struct co_outbox *out)
+{
+    uint8_t data[8] = { (uint8_t)command, 0, 0, self->sub };
+
+    put_le16(data + 1, self->index);
+    memcpy(data + 4, field, 4);
+    put_response(self, data, out);
+}
+
+static void respond_with_number(const struct sdo_server *self, unsigned command, uint32_t number,
+                                struct co_outbox *out)
+{
+    uint8_t field[4];
+
+    put_le32(field, number);
+    respond_with_object(self, command, field, out);
+}
+
+static void respond_to_segment(struct sdo_server *self, struct co_outbox *out)
+{
+    const uint8_t data[8] = { self->toggle ? 0x30 : 0x20 };
+
+    put_response(self, data, out);
+    self->toggle = !self->toggle;
+}
+
+static void abort_transfer(struct sdo_server *self, sdo_abort_t code, struct co_outbox *out)
+{
+    respond_with_number(self, 0x80, code, out);
+    finish(self);
+}
+
+static void answer_verdict(struct sdo_server *self, struct co_outbox *out)
+{
+    if (!co_outbox_room(out, 1, 0))
+        return;
+    if (self->verdict != SDO_OK) {
+        abort_transfer(self, self->verdict, out);
+        return;
+    }
+    if (self->segmented)
+        respond_to_segment(self, out);
+    else
+        respond_with_number(self, 0x60, 0, out);
+    finish(self);
+}
+
+void sdo_server_verdict(struct sdo_server *self, sdo_abort_t code, co_us_t now,
+                        struct co_outbox *out)
+{
+    if (self->state != SDO_SERVER_VERDICT || self->unsent || now >= self->deadline)
+        return;
+    self->verdict = code;
+    self->unsent = true;
+    answer_verdict(self, out);
+}
+
+/* Asks the owner for its verdict on the value in the buffer. */
+static sdo_abort_t offer_value(struct sdo_server *self, co_us_t now, struct co_outbox *out)
+{
+    struct od_entry *entry = NULL;
+    sdo_abort_t code = od_check_write(self->od, self->index, self->sub, &entry);
+    struct co_event event = { .type = PROTO_SDO_WRITE, .index = self->index, .sub = self->sub };
+
+    if (code == SDO_OK)
+        code = od_check_value(entry, self->buffer, self->size);
+    if (code != SDO_OK)
+        return code;
+    event.actual = self->size;
+    event.code = ++self->number;
+    co_outbox_put_event(out, &event);
+    wait_for(self, SDO_SERVER_VERDICT, now);
+    return SDO_OK;
+}
+
+/* Data bytes of an expedited download; without a size in the request it is the object's. */
+static uint32_t expedited_size(const struct od_entry *entry, uint8_t command)
+{
+    uint32_t fixed = od_type_size(entry->type);
+
+    if (command & 0x01)
+        return 4u - (command >> 2 & 3u);
+    return fixed != 0 && fixed < 4 ? fixed : 4;
+}
+
+static sdo_abort_t check_room(const struct sdo_server *self, const struct od_entry *entry,
+                              uint32_t size)
+{
+    sdo_abort_t code = od_check_size(entry, size);
+
+    if (code == SDO_OK && size > self->capacity)
+        return SDO_NO_MEMORY;
+    return code;
+}
+
+static sdo_abort_t on_expedited(struct sdo_server *self, const struct od_entry *entry,
+                                const uint8_t *data, co_us_t now, struct co_outbox *out)
+{
+    const uint32_t size = expedited_size(entry, data[0]);
+    sdo_abort_t code = check_room(self, entry, size);
+
+    if (code != SDO_OK)
+        return code;
+    memcpy(self->buffer, data + 4, size);
+    self->size = size;
+    self->segmented = false;
+    return offer_value(self, now, out);
+}
+
+static sdo_abort_t on_download(struct sdo_server *self, const uint8_t *data, co_us_t now,
+                               struct co_outbox *out)
+{
+    struct od_entry *entry = NULL;
+    sdo_abort_t code = od_check_write(self->od, self->index, self->sub, &entry);
+
+    if (code != SDO_OK)
+        return code;
+    if (data[0] & 0x02)
+        return on_expedited(self, entry, data, now, out);
+    self->announced = data[0] & 0x01 ? get_le32(data + 4) : SIZE_UNKNOWN;
+    if (self->announced != SIZE_UNKNOWN)
+        code = check_room(self, entry, self->announced);
+    if (code != SDO_OK)
+        return code;
+    self->size = 0;
+    self->toggle = false;
+    self->segmented = true;
+    respond_with_number(self, 0x60, 0, out);
+    wait_for(self, SDO_SERVER_DOWN_SEGMENT, now);
+    return SDO_OK;
+}
+
+/* May a segment of so many bytes be added to what has come? */
+static sdo_abort_t check_growth(const struct sdo_server *self, uint32_t size)
+{
+    const struct od_entry *entry = od_find(self->od, self->index, self->sub);
+
+    if (!entry)
+        return SDO_NO_OBJECT;
+    if (self->size + size > self->announced || self->size + size > entry->capacity)
+        return SDO_TOO_LONG;
+    if (self->size + size > self->capacity)
+        return SDO_NO_MEMORY;
+    return SDO_OK;
+}
+
+static sdo_abort_t on_download_segment(struct sdo_server *self, const uint8_t *data, co_us_t now,
+                                       struct co_outbox *out)
+{
+    const uint32_t size = 7u - (data[0] >> 1 & 7u);
+    sdo_abort_t code;
+
+    if (self->state != SDO_SERVER_DOWN_SEGMENT)
+        return SDO_COMMAND;
+    if (((data[0] & 0x10) != 0) != self->toggle)
+        return SDO_TOGGLE;
+    code = check_growth(self, size);
+    if (code != SDO_OK)
+        return code;
+    if (size > 0)
+        memcpy(self->buffer + self->size, data + 1, size);
+    self->size += size;
+    if ((data[0] & 0x01) == 0) {
+        respond_to_segment(self, out);
+        wait_for(self, SDO_SERVER_DOWN_SEGMENT, now);
+        return SDO_OK;
+    }
+    if (self->announced != SIZE_UNKNOWN && self->size < self->announced)
+        return SDO_TOO_SHORT;
+    return offer_value(self, now, out);
+}
+
+static sdo_abort_t on_upload(struct sdo_server *self, co_us_t now, struct co_outbox *out)
+{
+    struct od_entry *entry = NULL;
+    uint8_t field[4] = { 0 };
+    sdo_abort_t code = od_check_read(self->od, self->index, self->sub, &entry);
+
+    if (code != SDO_OK)
+        return code;
+    if (entry->size >= 1 && entry->size <= 4) {
+        memcpy(field, entry->value, entry->size);
+        respond_with_object(self, 0x43 | (4 - entry->size) << 2, field, out);
+        finish(self);
+        return SDO_OK;
+    }
+    if (entry->size > self->capacity)
+        return SDO_NO_MEMORY;
+    if (entry->size > 0)
+        memcpy(self->buffer, entry->value, entry->size);
+    self->size = entry->size;
+    self->position = 0;
+    self->toggle = false;
+    respond_with_number(self, 0x41, self->size, out);
+    wait_for(self, SDO_SERVER_UP_SEGMENT, now);
+    return SDO_OK;
+}
+
+static sdo_abort_t on_upload_segment(struct sdo_server *self, const uint8_t *data, co_us_t now,
+                                     struct co_outbox *out)
+{
+    const uint32_t rest = self->size - self->position;
+    const uint32_t size = rest < 7 ? rest : 7;
+    uint8_t segment[8] = { 0 };
+
+    if (self->state != SDO_SERVER_UP_SEGMENT)
+        return SDO_COMMAND;
+    if (((data[0] & 0x10) != 0) != self->toggle)
+        return SDO_TOGGLE;
+    segment[0] = (uint8_t)((self->toggle ? 0x10u : 0u) | (7 - size) << 1 | (size == rest));
+    if (size > 0)
+        memcpy(segment + 1, self->buffer + self->position, size);
+    put_response(self, segment, out);
+    self->position += size;
+    self->toggle = !self->toggle;
+    if (size == rest)
+        finish(self);
+    else
+        wait_for(self, SDO_SERVER_UP_SEGMENT, now);
+    return SDO_OK;
+}
+
+/* Requests without an object leave that of the last transfer. */
+static void take_object(struct sdo_server *self, const uint8_t *data)
+{
+    self->index = get_le16(data + 1);
+    self->sub = data[3];
+}
+
+static sdo_abort_t on_initiate(struct sdo_server *self, const uint8_t *data, co_us_t now,
+                               struct co_outbox *out)
+{
+    finish(self);
+    take_object(self, data);
+    if (data[0] >> 5 == REQUEST_DOWNLOAD)
+        return on_download(self, data, now, out);
+    return on_upload(self, now, out);
+}
+
+/* Initiates have their bits 1..0 (upload) or bit 0 (download) clear; the others name no object. */
+static sdo_abort_t refuse_block(struct sdo_server *self, const uint8_t *data)
+{
+    const unsigned mask = data[0] >> 5 == REQUEST_BLOCK_UPLOAD ? 0x03 : 0x01;
+
+    if ((data[0] & mask) == 0)
+        take_object(self, data);
+    return SDO_COMMAND;
+}
+
+static sdo_abort_t on_request(struct sdo_server *self, const uint8_t *data, co_us_t now,
+                              struct co_outbox *out)
+{
+    switch ((enum request)(data[0] >> 5)) {
+    case REQUEST_DOWNLOAD_SEGMENT: return on_download_segment(self, data, now, out);
+    case REQUEST_UPLOAD_SEGMENT: return on_upload_segment(self, data, now, out);
+    case REQUEST_DOWNLOAD:
+    case REQUEST_UPLOAD: return on_initiate(self, data, now, out);
+    case REQUEST_ABORT: finish(self); return SDO_OK;
+    case REQUEST_BLOCK_UPLOAD:
+    case REQUEST_BLOCK_DOWNLOAD: return refuse_block(self, data);
+    case REQUEST_UNKNOWN: break;
+    }
+    if (self->state == SDO_SERVER_IDLE)
+        take_object(self, data);
+    return SDO_COMMAND;
+}
+
+void sdo_server_on_frame(struct sdo_server *self, const struct co_frame *frame, co_us_t now,
+                         struct co_outbox *out)
+{
+    sdo_abort_t code;
+
+    if (!self->enabled || frame->id != self->request_id || frame->dlc != 8 ||
+        (frame->flags & (CO_FRAME_EXT | CO_FRAME_RTR)))
+        return;
+    if (!co_outbox_room(out, 1, 1)) {
+        self->dropped++;
+        return;
+    }
+    code = on_request(self, frame->data, now, out);
+    if (code != SDO_OK)
+        abort_transfer(self, code, out);
+}
+
+void sdo_server_on_time(struct sdo_server *self, co_us_t now, struct co_outbox *out)
+{
+    if (self->unsent)
+        answer_verdict(self, out);
+    else if (now >= self->deadline && co_outbox_room(out, 1, 0))
+        abort_transfer(self, self->state == SDO_SERVER_VERDICT ? SDO_NOT_STORED : SDO_TIMEOUT, out);
+}
+
+co_us_t sdo_server_deadline(const struct sdo_server *self)
+{
+    return self->unsent ? 0 : self->deadline;
+}

@@ -56,6 +56,7 @@ struct boot_failure {
     sdo_abort_t abort_code;
     uint32_t expected, actual;
     uint32_t entry; /* step CONFIGURE: number of the entry, from 1 */
+    uint8_t size;   /* ... its bytes (255: more); expected has the value of up to 4 */
 };
 
 struct boot_node {
@@ -85,6 +86,9 @@ struct boot_node {
 };
 
 void boot_node_init(struct boot_node *self, uint8_t node, const struct node_config *config);
+
+/* What a MANAGER_NODE_FAILED event tells. */
+struct boot_failure boot_failure_of(const struct co_event *event);
 
 /* True for a node that the master boots: in the list (1F81h bit 0) and not left to the application. */
 bool boot_node_is_booted_by_master(const struct boot_node *self);

@@ -66,7 +66,9 @@ struct boot_node {
     bool tried;        /* one attempt has ended, well or not */
     bool booted;       /* the last attempt ended well */
     bool start_due;    /* to be started as soon as there is room */
-    bool reset_due;    /* RESET: the command is still to be sent */
+    bool reset_due;    /* RESET: the command is still to be sent; RETRY: begins with one */
+    bool lost;         /* silent, and left to the application */
+    bool held;         /* taken out of operation by the application: only it starts the node */
     uint8_t reset_command;
     co_us_t deadline;
     unsigned attempts; /* since it was last booted */

@@ -13,6 +13,9 @@
  * Reset communication brings the power-on values of 1000h..1FFFh back, reset node those of all
  * objects. The power-on values are the DefaultValues, or what 1010h "save" stored since.
  *
+ * Events of the heartbeat consumers (1016h) are passed on: PROTO_HB_STATE, PROTO_HB_LOST with the
+ * node-ID of the producer. The outbox needs room for at least 2 frames and 4 events.
+ *
  *   owner    runtime/, or a test; it owns the dictionary
  *   locking  none; the owner's
  */
@@ -29,22 +32,31 @@
 enum slave_event {
     SLAVE_STATE = 100, /* node, detail: the NMT state entered; NMT_INITIALISING with each reset */
     SLAVE_WRITTEN,     /* node, index, sub: a client has written an entry, actual: its number */
-    SLAVE_EMCY         /* node, code, data: an emergency of its own was raised */
+    SLAVE_EMCY         /* node, code, detail (1001h), data: it has raised an emergency */
 };
+
+struct slave_consumer; /* one entry of 1016h */
+struct slave_factory;  /* the values that 1011h "load" brings back */
 
 struct slave {
     uint8_t node;
-    uint8_t state; /* enum nmt_state */
+    uint8_t state;      /* enum nmt_state */
+    uint8_t told_state; /* by the last SLAVE_STATE */
+    bool boot_up_due;   /* initialising; goes on when the outbox has room */
     struct od *od;
     struct sdo_server server;
+    uint8_t *buffer; /* of the SDO server */
     struct hb_producer heartbeat;
     struct emcy_producer emcy;
-    uint8_t *buffer; /* of the SDO server */
-    /* What the machines inside tell; settled before a call returns. */
-    struct co_outbox inner;
-    struct co_frame inner_frames[4];
-    struct co_event inner_events[4];
-    bool boot_up_due; /* found no room in the outbox */
+    uint8_t raised; /* bits of 1001h by slave_raise_error() */
+    unsigned lost;  /* watched nodes that are silent */
+    struct slave_consumer *consumers; /* the sub-indices 1.. of 1016h */
+    unsigned consumer_count;
+    bool consumers_due; /* a change found no room in the outbox */
+    co_us_t consumer_deadline;
+    struct slave_factory *factory; /* NULL: nothing was ever saved */
+    uint8_t load;                  /* bit n: 1011:n "load" waits for the reset */
+    bool application_changed;      /* objects from 2000h on differ from the power-on values */
 };
 
 /*
@@ -66,5 +78,15 @@ void slave_on_frame(struct slave *self, const struct co_frame *frame, co_us_t no
                     struct co_outbox *out);
 void slave_on_time(struct slave *self, co_us_t now, struct co_outbox *out);
 co_us_t slave_deadline(const struct slave *self);
+
+/*
+ * An error of the device: 1001h gets these bits (and the generic one), 1003h an entry, the network an
+ * emergency. CO_ERR_AGAIN: the outbox has no room, nothing was done.
+ */
+enum co_err slave_raise_error(struct slave *self, const struct emcy_message *error, co_us_t now,
+                              struct co_outbox *out);
+/* The errors with these bits of 1001h have gone: emergency 0000h. CO_ERR_AGAIN as above. */
+enum co_err slave_clear_error(struct slave *self, uint8_t bits, co_us_t now,
+                              struct co_outbox *out);
 
 #endif

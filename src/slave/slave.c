@@ -1,0 +1,308 @@
+#include "slave/slave.h"
+
+#include "base/bytes.h"
+#include "proto/event.h"
+#include "slave/slave_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define BUFFER_MIN 1024u
+
+#define IS_NMT_MASTER  0x01u /* bits of 1F80h */
+#define DOES_NOT_START 0x04u
+
+static bool is_on(const struct slave *self)
+{
+    return self->state != NMT_INITIALISING;
+}
+
+static void put_state_event(struct slave *self, struct co_outbox *out)
+{
+    const struct co_event event = { .type = SLAVE_STATE,
+                                    .node = self->node,
+                                    .detail = self->state };
+
+    co_outbox_put_event(out, &event);
+    self->told_state = self->state;
+}
+
+static void tell_state(struct slave *self, struct co_outbox *out)
+{
+    if (self->state != self->told_state && is_on(self) && co_outbox_room(out, 0, 1))
+        put_state_event(self, out);
+}
+
+void slave_enter_state(struct slave *self, enum nmt_state state, struct co_outbox *out)
+{
+    const bool services = state == NMT_PREOPERATIONAL || state == NMT_OPERATIONAL;
+
+    self->state = (uint8_t)state;
+    self->heartbeat.state = (uint8_t)state;
+    sdo_server_enable(&self->server, services);
+    emcy_producer_enable(&self->emcy, services);
+    tell_state(self, out);
+}
+
+static co_us_t heartbeat_period(const struct slave *self)
+{
+    return CO_MS(od_number(self->od, 0x1017, 0, 0));
+}
+
+/* Devices with 1F80h that are not told otherwise go on to operational by themselves. */
+static bool starts_itself(const struct slave *self)
+{
+    return (od_number(self->od, 0x1F80, 0, DOES_NOT_START) & (IS_NMT_MASTER | DOES_NOT_START)) == 0;
+}
+
+static void finish_boot_up(struct slave *self, co_us_t now, struct co_outbox *out)
+{
+    const struct co_frame frame = nmt_error_control_frame(self->node, NMT_INITIALISING);
+
+    if (!self->boot_up_due || !co_outbox_room(out, 1, 2))
+        return;
+    self->boot_up_due = false;
+    put_state_event(self, out);
+    co_outbox_put_frame(out, &frame);
+    hb_producer_start(&self->heartbeat, heartbeat_period(self), false, now);
+    slave_enter_state(self, NMT_PREOPERATIONAL, out);
+    if (starts_itself(self))
+        slave_enter_state(self, NMT_OPERATIONAL, out);
+}
+
+static void reset(struct slave *self, bool application, co_us_t now, struct co_outbox *out)
+{
+    slave_enter_state(self, NMT_INITIALISING, out);
+    hb_producer_start(&self->heartbeat, 0, false, now);
+    slave_reset_objects(self, application);
+    slave_reset_errors(self);
+    self->boot_up_due = true;
+    finish_boot_up(self, now, out);
+}
+
+static enum co_err add_missing_objects(struct od *od)
+{
+    static const struct {
+        uint16_t index;
+        uint8_t sub, type, value;
+    } objects[] = { { 0x1000, 0, OD_UNSIGNED32, 0 },
+                    { 0x1001, 0, OD_UNSIGNED8, 0 },
+                    { 0x1018, 0, OD_UNSIGNED8, 1 },
+                    { 0x1018, 1, OD_UNSIGNED32, 0 } };
+
+    for (size_t i = 0; i < sizeof objects / sizeof objects[0]; i++) {
+        const enum co_err err = od_add_number(od, objects[i].index, objects[i].sub, objects[i].type,
+                                              OD_RO, objects[i].value);
+
+        if (err != CO_OK && err != CO_ERR_EXISTS)
+            return err;
+    }
+    return CO_OK;
+}
+
+/* The signatures have a rule of their own; limits of real EDS files would give another abort code. */
+static void drop_signature_limits(struct od *od)
+{
+    for (size_t i = 0; i < od->count; i++)
+        if (od->entries[i]->index == 0x1010 || od->entries[i]->index == 0x1011) {
+            od->entries[i]->has_low = false;
+            od->entries[i]->has_high = false;
+        }
+}
+
+static uint32_t largest_capacity(const struct od *od)
+{
+    uint32_t largest = BUFFER_MIN;
+
+    for (size_t i = 0; i < od->count; i++)
+        if (od->entries[i]->capacity > largest)
+            largest = od->entries[i]->capacity;
+    return largest;
+}
+
+enum co_err slave_init(struct slave *self, uint8_t node, struct od *od)
+{
+    uint32_t capacity;
+    enum co_err err;
+
+    if (node < 1 || node > NMT_NODE_MAX)
+        return CO_ERR_ARG;
+    *self = (struct slave){ .node = node, .od = od, .consumer_deadline = CO_NEVER };
+    err = add_missing_objects(od);
+    if (err != CO_OK)
+        return err;
+    drop_signature_limits(od);
+    capacity = largest_capacity(od);
+    self->buffer = malloc(capacity);
+    if (self->buffer == NULL || slave_make_consumers(self) != CO_OK) {
+        slave_done(self);
+        return CO_ERR_MEMORY;
+    }
+    sdo_server_init(&self->server, od, node, self->buffer, capacity);
+    sdo_server_enable(&self->server, false);
+    hb_producer_init(&self->heartbeat, node);
+    emcy_producer_init(&self->emcy, COB_ID_INVALID);
+    return CO_OK;
+}
+
+void slave_done(struct slave *self)
+{
+    slave_free_factory(self);
+    free(self->consumers);
+    free(self->buffer);
+    self->consumers = NULL;
+    self->buffer = NULL;
+}
+
+void slave_start(struct slave *self, co_us_t now, struct co_outbox *out)
+{
+    reset(self, true, now, out);
+}
+
+void slave_command(struct slave *self, enum nmt_command command, co_us_t now,
+                   struct co_outbox *out)
+{
+    const enum nmt_state next = nmt_next_state((enum nmt_state)self->state, command);
+    const bool is_reset = command == NMT_RESET_NODE || command == NMT_RESET_COMMUNICATION;
+
+    if (is_reset && (is_on(self) || self->boot_up_due))
+        reset(self, command == NMT_RESET_NODE, now, out);
+    else if (!is_reset && next != self->state)
+        slave_enter_state(self, next, out);
+}
+
+/* What a value changes besides the dictionary. */
+static void take_over(struct slave *self, uint16_t index, uint8_t sub, co_us_t now,
+                      struct co_outbox *out)
+{
+    if (index == 0x1014 || index == 0x1015) {
+        slave_configure_emcy(self);
+    } else if (index == 0x1016) {
+        slave_configure_consumer(self, sub);
+        slave_watch_consumers(self, now, out);
+    } else if (index == 0x1017) {
+        hb_producer_start(&self->heartbeat, heartbeat_period(self), true, now);
+        hb_producer_on_time(&self->heartbeat, now, out);
+    }
+}
+
+static sdo_abort_t store_value(struct slave *self, const struct slave_write *write)
+{
+    const sdo_abort_t code = slave_check_write(write);
+
+    if (code != SDO_OK)
+        return code;
+    if (slave_is_store_command(write))
+        return slave_execute_store(self, write);
+    slave_note_change(self, write);
+    return od_set(write->entry, write->value, write->size);
+}
+
+static void take_write(struct slave *self, const struct co_event *received, co_us_t now,
+                       struct co_outbox *out)
+{
+    const uint32_t size = (uint32_t)received->actual;
+    const uint8_t *value = sdo_server_value(&self->server);
+    const struct slave_write write = { .od = self->od,
+                                       .entry = od_find(self->od, received->index, received->sub),
+                                       .value = value,
+                                       .size = size,
+                                       .number = get_le(value, size < 8 ? size : 8) };
+    const struct co_event event = { .type = SLAVE_WRITTEN,
+                                    .node = self->node,
+                                    .index = received->index,
+                                    .sub = received->sub,
+                                    .actual = write.number };
+    const sdo_abort_t code = store_value(self, &write);
+
+    sdo_server_verdict(&self->server, code, now, out);
+    if (code != SDO_OK)
+        return;
+    co_outbox_put_event(out, &event);
+    take_over(self, received->index, received->sub, now, out);
+}
+
+/* Steps the SDO server, with a frame or without; there is room for what it may give. */
+static void step_server(struct slave *self, const struct co_frame *request, co_us_t now,
+                        struct co_outbox *out)
+{
+    struct co_frame frames[2], frame;
+    struct co_event events[2], event;
+    struct co_outbox inner;
+
+    co_outbox_init(&inner, frames, 2, events, 2);
+    if (request != NULL)
+        sdo_server_on_frame(&self->server, request, now, &inner);
+    else
+        sdo_server_on_time(&self->server, now, &inner);
+    while (co_outbox_take_frame(&inner, &frame))
+        co_outbox_put_frame(out, &frame);
+    while (co_outbox_take_event(&inner, &event))
+        if (event.type == PROTO_SDO_WRITE)
+            take_write(self, &event, now, out);
+}
+
+static void refuse_history(struct slave *self, const struct co_frame *request, co_us_t now,
+                           struct co_outbox *out)
+{
+    struct co_frame frame = *request;
+
+    frame.data[0] = 0x80;
+    put_le32(frame.data + 4, SDO_NO_DATA);
+    sdo_server_on_frame(&self->server, &frame, now, out);
+    frame.id = self->server.response_id;
+    frame.tag = 0;
+    co_outbox_put_frame(out, &frame);
+}
+
+static void serve(struct slave *self, const struct co_frame *request, co_us_t now,
+                  struct co_outbox *out)
+{
+    if (!self->server.enabled)
+        return;
+    if (!co_outbox_room(out, 2, 2))
+        self->server.dropped++;
+    else if (slave_history_lacks(self, request))
+        refuse_history(self, request, now, out);
+    else
+        step_server(self, request, now, out);
+}
+
+void slave_on_frame(struct slave *self, const struct co_frame *frame, co_us_t now,
+                    struct co_outbox *out)
+{
+    enum nmt_command command;
+
+    if (frame->flags & (CO_FRAME_OWN | CO_FRAME_EXT))
+        return;
+    if (frame->id == NMT_CAN_ID) {
+        if (nmt_command_for(frame, self->node, &command))
+            slave_command(self, command, now, out);
+    } else if (frame->id == self->server.request_id) {
+        serve(self, frame, now, out);
+    } else if ((frame->id & 0x780u) == NMT_ERROR_CONTROL_ID && is_on(self)) {
+        slave_consume_heartbeat(self, frame, now, out);
+    }
+}
+
+void slave_on_time(struct slave *self, co_us_t now, struct co_outbox *out)
+{
+    finish_boot_up(self, now, out);
+    tell_state(self, out);
+    hb_producer_on_time(&self->heartbeat, now, out);
+    slave_watch_consumers(self, now, out);
+    emcy_producer_on_time(&self->emcy, now, out);
+    if (sdo_server_deadline(&self->server) <= now && co_outbox_room(out, 2, 2))
+        step_server(self, NULL, now, out);
+}
+
+co_us_t slave_deadline(const struct slave *self)
+{
+    co_us_t deadline = co_earlier(hb_producer_deadline(&self->heartbeat),
+                                  emcy_producer_deadline(&self->emcy));
+
+    if (self->boot_up_due || self->consumers_due || self->state != self->told_state)
+        return 0;
+    deadline = co_earlier(deadline, sdo_server_deadline(&self->server));
+    return co_earlier(deadline, self->consumer_deadline);
+}

@@ -57,7 +57,11 @@ bool sdo_channel_cancel(struct sdo_channel *self, struct sdo_request *request, s
                         co_us_t now, struct co_outbox *out)
 {
     if (self->running == request) {
-        if (!sdo_client_cancel(&self->client, code, out))
+        if (code == SDO_OK)
+            sdo_client_init(&self->client, self->client.node); /* the server has forgotten it too */
+        else if (sdo_client_cancel(&self->client, code, out))
+            self->cancelled++;
+        else
             return false;
         self->running = NULL;
         start_next(self, now, out);
@@ -73,8 +77,12 @@ struct sdo_request *sdo_channel_on_done(struct sdo_channel *self, const struct c
 {
     struct sdo_request *request = self->running;
 
-    if (event->detail == SDO_OUTCOME_CANCELLED || !request)
-        return NULL; /* sdo_channel_cancel() has done everything */
+    if (self->cancelled > 0) { /* the end of what sdo_channel_cancel() took out */
+        self->cancelled--;
+        return NULL;
+    }
+    if (!request)
+        return NULL;
     request->state = REQUEST_DONE;
     request->result = *event;
     self->running = NULL;

@@ -25,6 +25,7 @@ struct sdo_channel {
     struct sdo_client client;
     struct sdo_request *running;
     struct sdo_request *first, *last; /* waiting */
+    unsigned cancelled; /* PROTO_SDO_DONE still to come for requests that were taken out */
 };
 
 void sdo_channel_init(struct sdo_channel *self, uint8_t node);

@@ -1,0 +1,406 @@
+#include "runtime/network.h"
+
+#include "port/clock.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define OUT_FRAMES     512u
+#define OUT_EVENTS     512u
+#define TX_QUEUE_SIZE  1024u
+#define RX_BURST       64u        /* frames handled before the lock is given once */
+#define TX_RETRY       CO_MS(1)   /* the bus had no room */
+#define TX_GIVE_UP     CO_MS(2000) /* for the oldest frame */
+
+/* What a manager and a slave have in common: the machine's form. */
+struct device {
+    uint8_t node;
+    struct slave *slave;     /* one of these two */
+    struct manager *manager;
+};
+
+struct network {
+    struct co_lock lock;
+    struct co_condition changed;
+    struct co_thread thread;
+    struct bus *bus;
+    struct network_options options;
+    struct device devices[NMT_NODE_MAX + 1];
+    unsigned device_count;
+    bool closing;
+    struct co_outbox out; /* of the device being run */
+    struct co_frame out_frames[OUT_FRAMES];
+    struct co_event out_events[OUT_EVENTS];
+    struct co_outbox tx; /* frames only: wait for the bus */
+    struct co_frame tx_frames[TX_QUEUE_SIZE];
+    struct co_frame tx_head; /* taken from tx, the next to be sent */
+    bool has_tx_head;
+    co_us_t tx_retry;   /* CO_NEVER: nothing waits */
+    co_us_t tx_give_up; /* of tx_head */
+    unsigned tx_lost;   /* to be told */
+    enum bus_state bus_state;
+    bool has_events;    /* since the last signal of changed */
+    co_us_t last_frame; /* time of the frame delivered last */
+};
+
+/* --- devices --- */
+
+static void device_start(const struct device *self, co_us_t now, struct co_outbox *out)
+{
+    if (self->manager)
+        manager_start(self->manager, now, out);
+    else
+        slave_start(self->slave, now, out);
+}
+
+static void device_on_frame(const struct device *self, const struct co_frame *frame, co_us_t now,
+                            struct co_outbox *out)
+{
+    if (self->manager)
+        manager_on_frame(self->manager, frame, now, out);
+    else
+        slave_on_frame(self->slave, frame, now, out);
+}
+
+static void device_on_time(const struct device *self, co_us_t now, struct co_outbox *out)
+{
+    if (self->manager)
+        manager_on_time(self->manager, now, out);
+    else
+        slave_on_time(self->slave, now, out);
+}
+
+static co_us_t device_deadline(const struct device *self)
+{
+    return self->manager ? manager_deadline(self->manager) : slave_deadline(self->slave);
+}
+
+/* --- sending --- */
+
+static void tell(struct network *self, struct co_event event)
+{
+    self->has_events = true;
+    if (self->options.sink)
+        self->options.sink(self->options.context, self, &event);
+}
+
+static void set_bus_state(struct network *self, enum bus_state state)
+{
+    if (state == self->bus_state)
+        return;
+    self->bus_state = state;
+    tell(self, (struct co_event){ .type = RUNTIME_BUS_STATE, .detail = (uint8_t)state });
+}
+
+/* True while the bus keeps up. */
+static bool send_head(struct network *self, co_us_t now)
+{
+    enum co_err err = bus_send(self->bus, &self->tx_head);
+
+    if (err == CO_OK) {
+        self->has_tx_head = false;
+        set_bus_state(self, bus_get_state(self->bus));
+        return true;
+    }
+    if (err != CO_ERR_AGAIN)
+        set_bus_state(self, BUS_DOWN);
+    if (now >= self->tx_give_up) {
+        self->has_tx_head = false;
+        self->tx_lost++;
+    }
+    return false;
+}
+
+static void flush_tx(struct network *self, co_us_t now)
+{
+    self->tx_retry = CO_NEVER;
+    for (;;) {
+        if (!self->has_tx_head) {
+            if (!co_outbox_take_frame(&self->tx, &self->tx_head))
+                break;
+            self->has_tx_head = true;
+            self->tx_give_up = now + TX_GIVE_UP;
+        }
+        if (!send_head(self, now)) {
+            self->tx_retry = now + TX_RETRY;
+            break;
+        }
+    }
+    if (self->tx_lost > 0) {
+        tell(self, (struct co_event){ .type = RUNTIME_UNSENT, .actual = self->tx_lost });
+        self->tx_lost = 0;
+    }
+}
+
+/* Takes what a device has put out; a full queue costs frames, with a count, never time. */
+static void drain(struct network *self, uint8_t node)
+{
+    struct co_frame frame;
+    struct co_event event;
+
+    while (co_outbox_take_frame(&self->out, &frame)) {
+        frame.tag = node;
+        if (co_outbox_room(&self->tx, 1, 0))
+            co_outbox_put_frame(&self->tx, &frame);
+        else
+            self->tx_lost++;
+    }
+    while (co_outbox_take_event(&self->out, &event))
+        tell(self, event);
+}
+
+/* --- the protocol thread --- */
+
+/* Each local device gets the frames of all others, and its own as confirmation. */
+static void deliver(struct network *self, const struct bus_rx *rx)
+{
+    struct co_frame frame = rx->frame;
+    bool sent_here = (frame.flags & CO_FRAME_OWN) != 0;
+
+    for (unsigned i = 0; i < self->device_count; i++) {
+        const struct device *device = &self->devices[i];
+
+        frame.flags = (uint8_t)(rx->frame.flags & ~CO_FRAME_OWN);
+        if (sent_here && frame.tag == device->node)
+            frame.flags |= CO_FRAME_OWN;
+        device_on_frame(device, &frame, rx->time, &self->out);
+        drain(self, device->node);
+    }
+}
+
+static bool receive_burst(struct network *self)
+{
+    struct bus_rx rx;
+    enum co_err err = CO_OK;
+
+    for (unsigned i = 0; i < RX_BURST; i++) {
+        err = bus_receive(self->bus, &rx);
+        if (err != CO_OK)
+            break;
+        if (rx.lost)
+            tell(self, (struct co_event){ .type = RUNTIME_FRAMES_LOST, .actual = rx.lost });
+        self->last_frame = rx.time;
+        deliver(self, &rx);
+    }
+    if (err != CO_OK && err != CO_ERR_AGAIN)
+        set_bus_state(self, BUS_DOWN);
+    return err == CO_OK;
+}
+
+static co_us_t run_due(struct network *self, co_us_t now)
+{
+    co_us_t next = CO_NEVER;
+
+    for (unsigned i = 0; i < self->device_count; i++) {
+        const struct device *device = &self->devices[i];
+
+        if (device_deadline(device) <= now) {
+            device_on_time(device, now, &self->out);
+            drain(self, device->node);
+        }
+        next = co_earlier(next, device_deadline(device));
+    }
+    return next;
+}
+
+static void signal_changes(struct network *self)
+{
+    if (self->has_events)
+        condition_signal(&self->changed);
+    self->has_events = false;
+}
+
+static void wait_for_bus(struct network *self, co_us_t deadline)
+{
+    enum co_err err = bus_wait(self->bus, deadline);
+
+    if (err == CO_OK || err == CO_ERR_TIMEOUT)
+        return;
+    lock_take(&self->lock); /* the bus is gone: go on with time alone, not in a hurry */
+    if (!self->closing)
+        condition_wait(&self->changed, &self->lock,
+                       co_earlier(deadline, clock_now() + CO_MS(100)));
+    lock_give(&self->lock);
+}
+
+static void *run(void *context)
+{
+    struct network *self = context;
+    bool closing = false;
+
+    while (!closing) {
+        co_us_t now, deadline;
+        bool more;
+
+        lock_take(&self->lock);
+        more = receive_burst(self);
+        /* With more to read, time has only come as far as the frames: an answer that is there
+         * already must not be taken for missing. */
+        now = more ? self->last_frame : clock_now();
+        deadline = run_due(self, now);
+        flush_tx(self, now);
+        deadline = co_earlier(deadline, self->tx_retry);
+        signal_changes(self);
+        closing = self->closing;
+        lock_give(&self->lock);
+        if (!closing && !more)
+            wait_for_bus(self, deadline);
+    }
+    return NULL;
+}
+
+/* --- opening and closing --- */
+
+/* What devices listen to: NMT, emergencies (and SYNC), SDO both ways, error control. */
+static enum co_err set_filters(struct network *self)
+{
+    static const struct bus_filter filters[] = {
+        { 0x000, 0x7FF, 0, CO_FRAME_EXT | CO_FRAME_RTR },
+        { 0x080, 0x780, 0, CO_FRAME_EXT | CO_FRAME_RTR },
+        { 0x580, 0x780, 0, CO_FRAME_EXT | CO_FRAME_RTR },
+        { 0x600, 0x780, 0, CO_FRAME_EXT | CO_FRAME_RTR },
+        { 0x700, 0x780, 0, CO_FRAME_EXT | CO_FRAME_RTR },
+    };
+
+    return bus_set_filters(self->bus, filters, sizeof filters / sizeof filters[0]);
+}
+
+static enum co_err open_bus(struct network *self, char *message, size_t message_size)
+{
+    struct bus_options options = { .own_frames = true, .bitrate = self->options.bitrate };
+    enum co_err err = bus_open(self->options.bus, &options, &self->bus, message, message_size);
+
+    if (err == CO_OK)
+        err = set_filters(self);
+    return err;
+}
+
+enum co_err network_open(const struct network_options *options, struct network **ret_network,
+                         char *message, size_t message_size)
+{
+    struct network *self = calloc(1, sizeof *self);
+    enum co_err err;
+
+    if (!self)
+        return CO_ERR_MEMORY;
+    self->options = *options;
+    self->tx_retry = CO_NEVER;
+    co_outbox_init(&self->out, self->out_frames, OUT_FRAMES, self->out_events, OUT_EVENTS);
+    co_outbox_init(&self->tx, self->tx_frames, TX_QUEUE_SIZE, NULL, 0);
+    err = lock_init(&self->lock);
+    if (err != CO_OK)
+        goto free_self;
+    err = condition_init(&self->changed);
+    if (err != CO_OK)
+        goto done_lock;
+    err = open_bus(self, message, message_size);
+    if (err == CO_OK) {
+        *ret_network = self;
+        return CO_OK;
+    }
+    if (self->bus)
+        bus_close(self->bus);
+    condition_done(&self->changed);
+done_lock:
+    lock_done(&self->lock);
+free_self:
+    free(self);
+    return err;
+}
+
+void network_close(struct network *self)
+{
+    if (!self)
+        return;
+    lock_take(&self->lock);
+    self->closing = true;
+    condition_signal(&self->changed);
+    lock_give(&self->lock);
+    bus_wake(self->bus);
+    thread_join(&self->thread);
+    bus_close(self->bus);
+    condition_done(&self->changed);
+    lock_done(&self->lock);
+    free(self);
+}
+
+static enum co_err add_device(struct network *self, struct device device)
+{
+    for (unsigned i = 0; i < self->device_count; i++)
+        if (self->devices[i].node == device.node)
+            return CO_ERR_EXISTS;
+    self->devices[self->device_count++] = device;
+    return CO_OK;
+}
+
+enum co_err network_add_slave(struct network *self, struct slave *slave)
+{
+    return add_device(self, (struct device){ .node = slave->node, .slave = slave });
+}
+
+enum co_err network_add_manager(struct network *self, struct manager *manager)
+{
+    return add_device(self, (struct device){ .node = manager->config->manager_node_id,
+                                             .manager = manager });
+}
+
+enum co_err network_start(struct network *self)
+{
+    co_us_t now;
+
+    lock_take(&self->lock);
+    now = clock_now();
+    for (unsigned i = 0; i < self->device_count; i++) {
+        device_start(&self->devices[i], now, &self->out);
+        drain(self, self->devices[i].node);
+    }
+    flush_tx(self, now);
+    lock_give(&self->lock);
+    return thread_start(&self->thread, "mcanopen", run, self);
+}
+
+enum co_err network_set_priority(struct network *self, int native)
+{
+    return thread_set_priority(&self->thread, native);
+}
+
+const char *network_name(const struct network *self)
+{
+    return bus_name(self->bus);
+}
+
+bool network_is_own_thread(const struct network *self)
+{
+    return thread_is_self(&self->thread);
+}
+
+/* --- API calls --- */
+
+struct co_outbox *network_enter(struct network *self, co_us_t *ret_now)
+{
+    lock_take(&self->lock);
+    *ret_now = clock_now();
+    return &self->out;
+}
+
+static void send_out(struct network *self, uint8_t node)
+{
+    drain(self, node);
+    flush_tx(self, clock_now());
+    signal_changes(self);
+    bus_wake(self->bus); /* deadlines may have changed */
+}
+
+void network_leave(struct network *self, uint8_t node)
+{
+    send_out(self, node);
+    lock_give(&self->lock);
+}
+
+enum co_err network_wait(struct network *self, uint8_t node, co_us_t deadline)
+{
+    send_out(self, node);
+    if (self->closing)
+        return CO_ERR_STATE;
+    return condition_wait(&self->changed, &self->lock, deadline);
+}

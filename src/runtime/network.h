@@ -1,0 +1,68 @@
+/*
+ * One CAN network of this process: its bus, its protocol thread, the devices on it.
+ *
+ *   in   frames from the bus, orders of API calls, the clock
+ *   out  frames to the bus; the devices' events, to the owner's sink
+ *
+ * The protocol thread owns the receiving side: it hands frames in bus order to all devices, keeps their
+ * deadlines and sends what they put out. API calls act on a device between network_enter() and
+ * network_leave(), which hold the network's lock and send at once what the device put out.
+ *
+ *   owner    api/, or a tool
+ *   locking  its own lock, see docs/threading.md
+ */
+#ifndef CO_RUNTIME_NETWORK_H
+#define CO_RUNTIME_NETWORK_H
+
+#include "manager/manager.h"
+#include "port/bus.h"
+#include "port/thread.h"
+#include "slave/slave.h"
+
+enum runtime_event {
+    RUNTIME_FRAMES_LOST = 300, /* actual: received frames lost because we were too slow */
+    RUNTIME_UNSENT,            /* actual: frames given up because the bus did not take them */
+    RUNTIME_BUS_STATE          /* detail: enum bus_state */
+};
+
+struct network;
+
+/* Called under the network's lock, by the protocol thread or an API call: must not wait. */
+typedef void (*network_sink_fn)(void *context, struct network *network,
+                                const struct co_event *event);
+
+struct network_options {
+    const char *bus; /* see port/bus.h */
+    unsigned bitrate; /* kbit/s */
+    network_sink_fn sink;
+    void *context;
+};
+
+/* Opens the bus; message gets a line on failure. Errors of bus_open(), CO_ERR_MEMORY. */
+enum co_err network_open(const struct network_options *options, struct network **ret_network,
+                         char *message, size_t message_size);
+/* Stops the thread and closes the bus; devices stay their owner's. NULL is fine. */
+void network_close(struct network *self);
+
+/* Before network_start(). CO_ERR_EXISTS: the node-ID is in use; CO_ERR_MEMORY. */
+enum co_err network_add_slave(struct network *self, struct slave *slave);
+enum co_err network_add_manager(struct network *self, struct manager *manager);
+/* Powers the devices on, in the order they were added, and starts the thread. CO_ERR_MEMORY */
+enum co_err network_start(struct network *self);
+/* SCHED_FIFO 1..99 for the protocol thread. CO_ERR_PERMISSION */
+enum co_err network_set_priority(struct network *self, int native);
+
+const char *network_name(const struct network *self);
+bool network_is_own_thread(const struct network *self);
+
+/* Takes the lock; the devices' outbox, and the time. */
+struct co_outbox *network_enter(struct network *self, co_us_t *ret_now);
+/* Sends what the device of this node-ID has put out and gives the lock. */
+void network_leave(struct network *self, uint8_t node);
+/*
+ * Between enter and leave: waits until something has happened in the network, or the deadline.
+ * CO_ERR_TIMEOUT; CO_ERR_STATE: the network is being closed.
+ */
+enum co_err network_wait(struct network *self, uint8_t node, co_us_t deadline);
+
+#endif

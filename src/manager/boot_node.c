@@ -63,6 +63,37 @@ static bool is_worth_a_retry(const struct boot_failure *failure)
            (failure->outcome == SDO_OUTCOME_ABORTED && is_busy_answer(failure->abort_code));
 }
 
+static struct co_event failure_event(const struct boot_failure *failure)
+{
+    struct co_event event = { .type = MANAGER_NODE_FAILED,
+                              .detail = (uint8_t)failure->letter,
+                              .index = failure->index,
+                              .sub = failure->sub,
+                              .code = failure->abort_code,
+                              .expected = failure->expected,
+                              .actual = failure->actual };
+
+    event.data[0] = failure->outcome;
+    event.data[1] = failure->step;
+    event.data[2] = failure->size;
+    put_le32(event.data + 4, failure->entry);
+    return event;
+}
+
+struct boot_failure boot_failure_of(const struct co_event *event)
+{
+    return (struct boot_failure){ .letter = (char)event->detail,
+                                  .step = event->data[1],
+                                  .outcome = event->data[0],
+                                  .index = event->index,
+                                  .sub = event->sub,
+                                  .abort_code = event->code,
+                                  .expected = (uint32_t)event->expected,
+                                  .actual = (uint32_t)event->actual,
+                                  .entry = get_le32(event->data + 4),
+                                  .size = event->data[2] };
+}
+
 static void fail(struct boot_node *self, const struct boot_failure *failure, co_us_t now,
                  struct co_outbox *out)
 {
@@ -76,15 +107,7 @@ static void fail(struct boot_node *self, const struct boot_failure *failure, co_
         self->nmt_state = NMT_INITIALISING;
     if (!same_failure(failure, &self->told)) {
         self->told = *failure;
-        put_event(self,
-                  (struct co_event){ .type = MANAGER_NODE_FAILED,
-                                     .detail = (uint8_t)failure->letter,
-                                     .index = failure->index,
-                                     .sub = failure->sub,
-                                     .code = failure->abort_code,
-                                     .expected = failure->expected,
-                                     .actual = failure->actual },
-                  out);
+        put_event(self, failure_event(failure), out);
     }
     self->step = retry ? BOOT_RETRY : BOOT_FAILED;
     self->deadline = retry ? now + BOOT_RETRY_INTERVAL : CO_NEVER;
@@ -103,9 +126,14 @@ static void fail_request(struct boot_node *self, char letter, co_us_t now, struc
         .index = result->index,
         .sub = result->sub,
         .abort_code = result->code,
-        .entry = self->step == BOOT_CONFIGURE ? self->entry_number : 0,
     };
 
+    if (self->step == BOOT_CONFIGURE) {
+        failure.entry = self->entry_number;
+        failure.size = self->entry.size < UINT8_MAX ? (uint8_t)self->entry.size : UINT8_MAX;
+        failure.expected =
+            (uint32_t)get_le(self->entry.value, self->entry.size < 4 ? self->entry.size : 4);
+    }
     fail(self, &failure, now, out);
 }
 
@@ -424,6 +452,8 @@ void boot_node_begin(struct boot_node *self, co_us_t now, struct co_outbox *out)
     self->start_due = false;
     self->reset_due = false;
     self->request_due = false;
+    self->held = false;
+    self->lost = false;
     hb_consumer_start(&self->heartbeat, 0);
     if (!self->config->auto_start_slave) { /* only its error control is the master's */
         enter_error_control(self, now, out);
@@ -459,8 +489,8 @@ void boot_node_commanded(struct boot_node *self, enum nmt_command command)
 {
     if (self->step != BOOT_READY && self->step != BOOT_STARTED)
         return;
-    if (command == NMT_START)
-        self->step = BOOT_STARTED;
+    self->step = command == NMT_START ? BOOT_STARTED : BOOT_READY;
+    self->held = command != NMT_START;
     if (self->heartbeat.period == 0)
         self->nmt_state = (uint8_t)nmt_next_state((enum nmt_state)self->nmt_state, command);
 }

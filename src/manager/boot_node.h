@@ -56,6 +56,7 @@ struct boot_failure {
     sdo_abort_t abort_code;
     uint32_t expected, actual;
     uint32_t entry; /* step CONFIGURE: number of the entry, from 1 */
+    uint8_t size;   /* ... its bytes (255: more); expected has the value of up to 4 */
 };
 
 struct boot_node {
@@ -65,7 +66,9 @@ struct boot_node {
     bool tried;        /* one attempt has ended, well or not */
     bool booted;       /* the last attempt ended well */
     bool start_due;    /* to be started as soon as there is room */
-    bool reset_due;    /* RESET: the command is still to be sent */
+    bool reset_due;    /* RESET: the command is still to be sent; RETRY: begins with one */
+    bool lost;         /* silent, and left to the application */
+    bool held;         /* taken out of operation by the application: only it starts the node */
     uint8_t reset_command;
     co_us_t deadline;
     unsigned attempts; /* since it was last booted */
@@ -85,6 +88,9 @@ struct boot_node {
 };
 
 void boot_node_init(struct boot_node *self, uint8_t node, const struct node_config *config);
+
+/* What a MANAGER_NODE_FAILED event tells. */
+struct boot_failure boot_failure_of(const struct co_event *event);
 
 /* True for a node that the master boots: in the list (1F81h bit 0) and not left to the application. */
 bool boot_node_is_booted_by_master(const struct boot_node *self);

@@ -7,7 +7,8 @@
 enum manager_event {
     MANAGER_STATE = 200,      /* detail: the manager's own NMT state */
     MANAGER_NETWORK_UP,       /* every required node is up: actual: booted nodes, expected: all */
-    MANAGER_BOOT_TIME_OVER,   /* a mandatory node is missing: actual: how many, expected: Boot_Time */
+    MANAGER_HALTED,           /* mandatory nodes are missing: actual: how many; expected: Boot_Time if
+                                 it is over, 0: they have failed for good */
     MANAGER_NODE_STEP,        /* node, detail: enum boot_step entered; CONFIGURE: actual entries */
     MANAGER_NODE_READ,        /* node, index, sub, actual: what the node answered */
     MANAGER_NODE_UP_TO_DATE,  /* node: 1020h says that it is configured already */

@@ -1,10 +1,12 @@
 /*
- * The manager's configuration file: XML in, one struct network_config for each <Manager_Instance> out.
+ * The manager's configuration file: XML in, one struct network_config for each <Manager_Instance>
+ * out.
  *
  *   in   the bytes of the file, a report for messages with line numbers
  *   out  every element of the manual's sections 3.2.3 and 3.2.4, and ours, with value or default
  *
- * All of the file is read and every fault told; a file with a fault gives no configuration.
+ * All of the file is read and every fault told (up to NETWORK_MESSAGES); a file with a fault gives
+ * no configuration. What is read but cannot be done yet is a fault too, never ignored.
  */
 #ifndef CO_MANAGER_NETWORK_CONFIG_H
 #define CO_MANAGER_NETWORK_CONFIG_H
@@ -19,6 +21,8 @@
 
 #define NETWORK_NODE_MAX  127u
 #define NETWORK_INSTANCES 16u /* most <Manager_Instance> of a file */
+#define NETWORK_MESSAGES  100u
+#define NETWORK_FILE_SIZE (8u << 20) /* most bytes of a file */
 
 enum action_on_error { ACTION_RESET_SLAVE, ACTION_RESET_ALL, ACTION_STOP_ALL };
 
@@ -51,6 +55,10 @@ struct node_config {
     bool save_configuration;        /* ours */
     uint32_t configuration_date;    /* ours; 0: not given */
     uint32_t configuration_time;
+    uint32_t software_identification; /* ours, like the next three; 0: not compared */
+    char *software_file;
+    bool verify_configuration;
+    uint8_t sdo_block_size; /* segments in a block; 0: no block transfer */
     struct ccf ccf;        /* what to write to the device; filled by api/ from the file */
 };
 
@@ -73,19 +81,24 @@ struct network_config {
     bool wait_for_startup;
     bool reset_all;
     bool preset_emergency_consumer;
+    bool has_sync_interval;
+    uint32_t sync_interval; /* us */
+    uint32_t sync_cob_id;
     bool has_manager_priorities, has_slave_priorities;
     int16_t manager_priorities[3]; /* control, error control, boot */
     int16_t slave_priorities[4];   /* NMT, PDO, SDO, EMCY */
-    bool native_priorities;
+    bool native_priorities;        /* false: 0 (lowest) .. 31 */
     uint32_t debug_mask;
     struct node_config *nodes; /* in the order of the file */
     size_t node_count;
 };
 
 /*
- * CO_ERR_FORMAT: no well-formed XML, or not a configuration at all; CO_ERR_VALUE: an unknown element,
- * a value out of range, a duplicate, something mandatory missing, a service whose turn has not come;
- * CO_ERR_MEMORY. Kinds of errors (co_report_kind) are enum co_err too.
+ * CO_ERR_FORMAT: no well-formed XML, or not a configuration at all; CO_ERR_VALUE: an unknown
+ * element, a value out of range, a duplicate, something mandatory missing, a service whose turn has
+ * not come; CO_ERR_MEMORY. Kinds of errors (co_report_kind) are these too, and CO_ERR_ARG for a
+ * node-ID out of range, CO_ERR_BITRATE for a bit rate that CANopen does not have. The outputs are
+ * untouched on failure.
  */
 enum co_err network_config_parse(const char *text, size_t size, struct co_report *report,
                                  struct network_config **ret_networks, size_t *ret_count);

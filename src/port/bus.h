@@ -34,19 +34,22 @@ struct bus_options {
 struct bus_rx {
     struct co_frame frame; /* with the tag it was sent with, where CO_FRAME_OWN is set */
     co_us_t time;          /* of reception, monotonic */
-    unsigned lost;         /* frames lost before this one, because the reader was too slow */
+    unsigned lost;         /* frames lost before this one, because the reader was too slow;
+                              on a virtual bus those the filters would have dropped count too */
 };
 
 struct bus_filter { /* passes a frame if (id & mask) == (this id & mask) and the kind is equal */
     uint32_t id;
     uint32_t mask;
     uint8_t flags;      /* CO_FRAME_EXT, CO_FRAME_RTR */
-    uint8_t flags_mask;
+    uint8_t flags_mask; /* which of them count */
 };
 
 /*
  * CO_ERR_NO_BUS: no such interface; CO_ERR_DOWN: it is down; CO_ERR_PERMISSION; CO_ERR_BITRATE: it runs
- * at another bit rate; CO_ERR_ARG: the name is none; CO_ERR_IO, CO_ERR_MEMORY.
+ * at another bit rate; CO_ERR_ARG: the name is none; CO_ERR_HELD: a stopped process holds the virtual
+ * bus; CO_ERR_STATE: the virtual bus is in use by programs this one cannot share it with;
+ * CO_ERR_IO, CO_ERR_MEMORY.
  * message (may be NULL) gets one line of text: what is wrong and the command that mends it.
  */
 enum co_err bus_open(const char *name, const struct bus_options *options, struct bus **ret_bus,
@@ -54,18 +57,25 @@ enum co_err bus_open(const char *name, const struct bus_options *options, struct
 void bus_close(struct bus *self);
 
 /* CO_ERR_AGAIN: no room at the moment, try again in a millisecond; CO_ERR_DOWN, CO_ERR_NO_BUS,
- * CO_ERR_HELD, CO_ERR_IO. */
+ * CO_ERR_HELD, CO_ERR_IO; CO_ERR_ARG: identifier or dlc out of range. */
 enum co_err bus_send(struct bus *self, const struct co_frame *frame);
 /* CO_ERR_AGAIN: nothing there; CO_ERR_DOWN, CO_ERR_NO_BUS, CO_ERR_IO. */
 enum co_err bus_receive(struct bus *self, struct bus_rx *ret_rx);
-/* Until a frame is there, bus_wake() or the deadline; CO_OK, CO_ERR_TIMEOUT, CO_ERR_DOWN, ... */
+/* Until a frame is there, bus_wake() or the deadline; CO_OK, CO_ERR_TIMEOUT, CO_ERR_DOWN, ...
+ * CO_OK does not promise a frame. */
 enum co_err bus_wait(struct bus *self, co_us_t deadline);
 /* Ends a bus_wait() of another thread, or the next one. */
 void bus_wake(struct bus *self);
 
-/* Without filters all data frames with 11-bit identifiers pass. CO_ERR_ARG: too many. */
+/*
+ * Without filters (count 0) all data frames with 11-bit identifiers pass. Own frames pass the filters
+ * like others. Only the thread that receives may call this, or anybody before it does.
+ * CO_ERR_ARG: more than 512; CO_ERR_MEMORY, CO_ERR_IO.
+ */
 enum co_err bus_set_filters(struct bus *self, const struct bus_filter *filters, size_t count);
 enum bus_state bus_get_state(struct bus *self);
+/* One line of text about the state: what is wrong and what mends it; for a bus in order, so much. */
+void bus_explain(struct bus *self, char *message, size_t message_size);
 const char *bus_name(const struct bus *self);
 
 #endif

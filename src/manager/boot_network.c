@@ -1,0 +1,224 @@
+#include "manager/boot_network.h"
+
+static void put_event(struct manager *self, struct co_event event)
+{
+    co_outbox_put_event(&self->inner, &event);
+}
+
+/* --- begin: reset all, wait, boot each --- */
+
+static void take_request_back(struct manager *self, struct boot_node *node, co_us_t now)
+{
+    node->request_due = false;
+    if (node->request.state == REQUEST_QUEUED || node->request.state == REQUEST_RUNNING)
+        sdo_channel_cancel(&self->channels[node->config->node_id], &node->request, SDO_OK, now,
+                           &self->inner);
+}
+
+void boot_network_begin(struct manager *self, enum nmt_command command, co_us_t now)
+{
+    FOR_EACH_NODE(self, node) {
+        take_request_back(self, node, now);
+        boot_node_stop(node);
+    }
+    self->state = NETWORK_RESETTING;
+    self->up_told = false;
+    self->start_all_due = false;
+    self->stop_all_due = false;
+    self->reset_command = (uint8_t)command;
+    self->reset_due = true;
+    self->boot_limit = CO_NEVER;
+    self->deadline = now;
+    boot_network_on_time(self, now);
+}
+
+static void boot_all(struct manager *self, co_us_t now)
+{
+    self->state = NETWORK_BOOTING;
+    self->deadline = CO_NEVER;
+    if (self->config->boot_time != 0)
+        self->boot_limit = now + CO_MS(self->config->boot_time);
+    FOR_EACH_NODE(self, node) {
+        if (boot_node_is_booted_by_master(node))
+            boot_network_reboot(self, node, now);
+    }
+}
+
+static void submit(struct manager *self, struct boot_node *node, co_us_t now)
+{
+    if (!node->request_due)
+        return;
+    node->request_due = false;
+    sdo_channel_submit(&self->channels[node->config->node_id], &node->request, now, &self->inner);
+}
+
+void boot_network_reboot(struct manager *self, struct boot_node *node, co_us_t now)
+{
+    take_request_back(self, node, now);
+    boot_node_begin(node, now, &self->inner);
+    submit(self, node, now);
+}
+
+void boot_network_reset_node(struct manager *self, struct boot_node *node,
+                             enum nmt_command command, co_us_t now)
+{
+    take_request_back(self, node, now);
+    boot_node_reset(node, command, now, &self->inner);
+}
+
+/* --- the way to operational --- */
+
+static bool is_in_progress(const struct boot_node *node)
+{
+    return boot_node_is_booted_by_master(node) && !node->tried;
+}
+
+static bool is_missing(const struct boot_node *node)
+{
+    return boot_node_is_booted_by_master(node) && node->config->mandatory && !node->booted;
+}
+
+/* A broadcast starts whoever hears it: only right when that is right for each node. */
+static bool all_may_be_started(struct manager *self)
+{
+    FOR_EACH_NODE(self, node) {
+        if (!node->booted || !node->config->auto_start_slave)
+            return false;
+    }
+    return true;
+}
+
+static bool may_be_started(const struct boot_node *node)
+{
+    return node->step == BOOT_READY && node->config->auto_start_slave;
+}
+
+void boot_network_go(struct manager *self, co_us_t now)
+{
+    self->state = NETWORK_OPERATIONAL;
+    slave_command(&self->device, NMT_START, now, &self->inner);
+    if (!self->config->auto_start)
+        return;
+    if (self->config->start_all && all_may_be_started(self)) {
+        self->start_all_due = true;
+        return;
+    }
+    FOR_EACH_NODE(self, node) {
+        if (may_be_started(node))
+            boot_node_start(node, now, &self->inner);
+    }
+}
+
+static void halt(struct manager *self, unsigned missing, bool time_over)
+{
+    self->state = NETWORK_HALTED;
+    put_event(self, (struct co_event){ .type = MANAGER_HALTED,
+                                       .actual = missing,
+                                       .expected = time_over ? self->config->boot_time : 0 });
+}
+
+static void check_booting(struct manager *self, co_us_t now)
+{
+    unsigned missing = 0, in_progress = 0;
+    bool failed = false;
+    bool time_over = now >= self->boot_limit;
+
+    FOR_EACH_NODE(self, node) {
+        missing += is_missing(node);
+        in_progress += is_in_progress(node);
+        failed |= is_missing(node) && node->step == BOOT_FAILED;
+    }
+    if (missing == 0 && in_progress == 0) {
+        if (self->config->auto_operational)
+            boot_network_go(self, now);
+        else
+            self->state = NETWORK_WAITING;
+        self->boot_limit = CO_NEVER;
+    } else if (self->state == NETWORK_BOOTING && missing > 0 &&
+               (time_over || (failed && in_progress == 0))) {
+        halt(self, missing, time_over);
+    }
+}
+
+/* A node that boots after the others. */
+static void start_late_nodes(struct manager *self, co_us_t now)
+{
+    if (!self->config->auto_start || self->start_all_due)
+        return;
+    FOR_EACH_NODE(self, node) {
+        if (may_be_started(node) && !node->start_due && !node->held)
+            boot_node_start(node, now, &self->inner);
+    }
+}
+
+static void tell_up(struct manager *self)
+{
+    unsigned booted = 0;
+
+    if (self->up_told || !manager_is_up(self, false))
+        return;
+    FOR_EACH_NODE(self, node)
+        booted += node->booted;
+    self->up_told = true;
+    put_event(self, (struct co_event){ .type = MANAGER_NETWORK_UP,
+                                       .actual = booted,
+                                       .expected = self->config->node_count });
+}
+
+void boot_network_check(struct manager *self, co_us_t now)
+{
+    FOR_EACH_NODE(self, node)
+        submit(self, node, now);
+    if (self->state == NETWORK_BOOTING || self->state == NETWORK_HALTED)
+        check_booting(self, now);
+    else if (self->state == NETWORK_OPERATIONAL)
+        start_late_nodes(self, now);
+    tell_up(self);
+}
+
+/* --- time: what waits for room, and the two limits --- */
+
+static bool send_all(struct manager *self, enum nmt_command command)
+{
+    struct co_frame frame = nmt_command_frame(command, NMT_ALL_NODES);
+
+    if (!co_outbox_room(&self->inner, 1, 0))
+        return false;
+    co_outbox_put_frame(&self->inner, &frame);
+    FOR_EACH_NODE(self, node) {
+        boot_node_commanded(node, command);
+        if (command == NMT_START)
+            put_event(self, (struct co_event){ .type = MANAGER_NODE_STARTED,
+                                               .node = node->config->node_id });
+    }
+    return true;
+}
+
+static void on_resetting(struct manager *self, co_us_t now)
+{
+    if (!self->reset_due) {
+        boot_all(self, now);
+    } else if (send_all(self, (enum nmt_command)self->reset_command)) {
+        self->reset_due = false;
+        self->deadline = now + CO_MS(self->config->boot_delay);
+    }
+}
+
+void boot_network_on_time(struct manager *self, co_us_t now)
+{
+    if (self->start_all_due)
+        self->start_all_due = !send_all(self, NMT_START);
+    if (self->stop_all_due)
+        self->stop_all_due = !send_all(self, NMT_STOP);
+    if (self->state == NETWORK_RESETTING && now >= self->deadline)
+        on_resetting(self, now);
+}
+
+co_us_t boot_network_deadline(const struct manager *self)
+{
+    if (self->start_all_due || self->stop_all_due)
+        return 0;
+    if (self->state == NETWORK_BOOTING)
+        return self->boot_limit;
+    return self->state == NETWORK_RESETTING ? self->deadline : CO_NEVER;
+}

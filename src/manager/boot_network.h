@@ -1,0 +1,37 @@
+/*
+ * Boot of the network: what the nodes have in common (CiA 302-2, "boot process of the NMT master").
+ * Parts of the manager, on its struct; nobody else calls them.
+ */
+#ifndef CO_MANAGER_BOOT_NETWORK_H
+#define CO_MANAGER_BOOT_NETWORK_H
+
+#include "manager/manager.h"
+
+/* Runs 'each' over the configured nodes. */
+#define FOR_EACH_NODE(manager, node)                                                          \
+    for (size_t i_ = 0; i_ < (manager)->config->node_count; i_++)                             \
+        for (struct boot_node *node = &(manager)->nodes[(manager)->config->nodes[i_].node_id]; \
+             node; node = NULL)
+
+/* All frames and events below go to manager->inner. */
+
+/* Resets all nodes with this command and boots them. */
+void boot_network_begin(struct manager *self, enum nmt_command command, co_us_t now);
+/* Decides, after anything has changed, whether the network goes operational or is halted. */
+void boot_network_check(struct manager *self, co_us_t now);
+/* The manager goes operational and starts the slaves that are booted. */
+void boot_network_go(struct manager *self, co_us_t now);
+void boot_network_on_time(struct manager *self, co_us_t now);
+co_us_t boot_network_deadline(const struct manager *self);
+
+/* Takes the boot request of a node back and begins its boot anew, with or without a reset. */
+void boot_network_reboot(struct manager *self, struct boot_node *node, co_us_t now);
+void boot_network_reset_node(struct manager *self, struct boot_node *node,
+                             enum nmt_command command, co_us_t now);
+
+/* error_control.c: a boot-up message, a heartbeat, a lost node (CiA 302-2, "error control"). */
+void error_control_on_frame(struct manager *self, const struct co_frame *frame, co_us_t now);
+void error_control_on_lost(struct manager *self, uint8_t node, co_us_t now);
+void error_control_on_alive(struct manager *self, uint8_t node);
+
+#endif

@@ -1,0 +1,338 @@
+#include "manager/boot_text.h"
+
+#include "base/bytes.h"
+#include "proto/emcy.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+struct text { /* appends, never beyond the end */
+    char *at;
+    size_t room;
+};
+
+__attribute__((format(printf, 2, 3))) static void add(struct text *self, const char *format, ...)
+{
+    va_list args;
+    int length;
+
+    va_start(args, format);
+    length = vsnprintf(self->at, self->room, format, args);
+    va_end(args);
+    if (length < 0)
+        return;
+    if ((size_t)length >= self->room)
+        length = self->room ? (int)self->room - 1 : 0;
+    self->at += length;
+    self->room -= (size_t)length;
+}
+
+/* --- failures --- */
+
+static const struct compared {
+    char letter;
+    uint16_t index;
+    uint8_t sub;
+    const char *name;    /* of the object */
+    const char *element; /* that says what to expect */
+} compared[] = {
+    { 'C', 0x1000, 0, "device type", "Device_Type_Identification" },
+    { 'D', 0x1018, 1, "vendor-ID", "Vendor_Identification" },
+    { 'M', 0x1018, 2, "product code", "Product_Code" },
+    { 'N', 0x1018, 3, "revision number", "Revision_Number" },
+    { 'O', 0x1018, 4, "serial number", "Serial_Number" },
+};
+
+static const struct compared *find_compared(uint16_t index, uint8_t sub)
+{
+    for (size_t i = 0; i < sizeof compared / sizeof compared[0]; i++)
+        if (compared[i].index == index && compared[i].sub == sub)
+            return &compared[i];
+    return NULL;
+}
+
+static void add_object(struct text *text, uint16_t index, uint8_t sub)
+{
+    const struct compared *known = find_compared(index, sub);
+
+    add(text, "%04Xh:%02X", index, sub);
+    if (known)
+        add(text, " %s", known->name);
+}
+
+static void add_outcome(struct text *text, const struct node_config *config,
+                        const struct boot_failure *failure)
+{
+    switch ((enum sdo_outcome)failure->outcome) {
+    case SDO_OUTCOME_NO_ANSWER:
+        add(text, "no answer within %u ms", config->sdo_timeout);
+        break;
+    case SDO_OUTCOME_NOT_SENT: add(text, "the request could not be sent: check the bus"); break;
+    case SDO_OUTCOME_ABORTED:
+        add(text, "the node answers abort %08Xh, %s", failure->abort_code,
+            sdo_abort_text(failure->abort_code));
+        break;
+    case SDO_OUTCOME_TOGGLE:
+    case SDO_OUTCOME_PROTOCOL:
+        add(text, "wrong answer, aborted with %08Xh, %s", failure->abort_code,
+            sdo_abort_text(failure->abort_code));
+        break;
+    case SDO_OUTCOME_OVERFLOW: add(text, "the answer is longer than 8 bytes"); break;
+    case SDO_OUTCOME_OK:
+    case SDO_OUTCOME_CANCELLED: break;
+    }
+}
+
+static void add_read_failure(struct text *text, const struct node_config *config,
+                             const struct boot_failure *failure)
+{
+    add(text, "read ");
+    add_object(text, failure->index, failure->sub);
+    add(text, ": ");
+    add_outcome(text, config, failure);
+    if (failure->outcome != SDO_OUTCOME_NO_ANSWER)
+        return;
+    add(text, " (%u tries): ", BOOT_READ_TRIES);
+    if (failure->letter == 'B')
+        add(text, "the node is absent or off, or has another node-ID or bit rate");
+    else
+        add(text, "the node has gone in mid-boot");
+}
+
+static void add_write_failure(struct text *text, const struct node_config *config,
+                              const struct boot_failure *failure)
+{
+    const char *file = config->dcf_file ? config->dcf_file : config->ccf_file;
+
+    add(text, "write ");
+    add_object(text, failure->index, failure->sub);
+    if (failure->entry && failure->size >= 1 && failure->size <= 4)
+        add(text, " = %0*Xh", 2 * failure->size, failure->expected);
+    else if (failure->entry)
+        add(text, " (%u%s bytes)", failure->size, failure->size == UINT8_MAX ? " or more" : "");
+    if (failure->entry)
+        add(text, " (entry %u of %u of %s)", failure->entry, ccf_count(&config->ccf),
+            file ? file : "the configuration");
+    else
+        add(text, " \"save\"");
+    add(text, ": ");
+    add_outcome(text, config, failure);
+}
+
+static void add_difference(struct text *text, const struct node_config *config,
+                           const struct boot_failure *failure)
+{
+    const struct compared *known = find_compared(failure->index, failure->sub);
+
+    add_object(text, failure->index, failure->sub);
+    add(text, " is %08Xh, configuration expects %08Xh: wrong device at node %u", failure->actual,
+        failure->expected, config->node_id);
+    if (known)
+        add(text, ", or remove %s to skip the check", known->element);
+}
+
+static void add_failure(struct text *text, const struct node_config *config,
+                        const struct boot_failure *failure)
+{
+    add(text, "boot error %c: ", failure->letter);
+    if (failure->letter == 'J')
+        add_write_failure(text, config, failure);
+    else if (failure->letter == 'K')
+        add(text,
+            "no heartbeat within %u ms (Consumer_Heartbeat_Time): does the configuration set 1017h "
+            "to a shorter time?",
+            failure->expected);
+    else if (failure->outcome != SDO_OUTCOME_OK)
+        add_read_failure(text, config, failure);
+    else
+        add_difference(text, config, failure);
+}
+
+/* --- events --- */
+
+static void add_node(struct text *text, const struct network_config *config, uint8_t node_id)
+{
+    const struct node_config *node = network_config_node(config, node_id);
+
+    add(text, "node %u", node_id);
+    if (node_id == config->manager_node_id)
+        add(text, " (manager)");
+    else if (node && node->name)
+        add(text, " \"%s\"", node->name);
+    add(text, ": ");
+}
+
+static bool add_step(struct text *text, const struct node_config *node,
+                     const struct co_event *event)
+{
+    switch ((enum boot_step)event->detail) {
+    case BOOT_RESET: add(text, "reset, boot delay %u ms", node->boot_delay); return true;
+    case BOOT_DEVICE_TYPE: add(text, "boot begins, asks for its device type"); return true;
+    case BOOT_IDENTITY: add(text, "checks its identity"); return true;
+    case BOOT_CHECK_CONFIGURATION: add(text, "checks its configuration date"); return true;
+    case BOOT_CONFIGURE:
+        add(text, "configures it: %u entries of %s", (unsigned)event->actual,
+            node->dcf_file ? node->dcf_file : node->ccf_file);
+        return true;
+    case BOOT_SAVE: add(text, "saves its configuration"); return true;
+    case BOOT_ERROR_CONTROL:
+        add(text, "waits for its heartbeat, at most %u ms", node->consumer_heartbeat_time);
+        return true;
+    case BOOT_IDLE:
+    case BOOT_READY:
+    case BOOT_STARTED:
+    case BOOT_RETRY:
+    case BOOT_FAILED: return false; /* other events tell these */
+    }
+    return false;
+}
+
+static void add_emergency(struct text *text, const struct co_event *event)
+{
+    add(text, "emergency %04Xh, %s, error register %02Xh, field", (unsigned)event->code,
+        emcy_text((uint16_t)event->code), event->detail);
+    for (unsigned i = 3; i < 8; i++)
+        add(text, " %02X", event->data[i]);
+}
+
+static bool add_good_news(struct text *text, const struct node_config *node,
+                          const struct co_event *event)
+{
+    switch (event->type) {
+    case MANAGER_NODE_STEP: return node && add_step(text, node, event);
+    case MANAGER_NODE_READ:
+        add_object(text, event->index, event->sub);
+        add(text, " is %08Xh", (unsigned)event->actual);
+        return true;
+    case MANAGER_NODE_UP_TO_DATE: add(text, "is configured already (1020h)"); return true;
+    case MANAGER_NODE_BOOTED: add(text, "booted"); return true;
+    case MANAGER_NODE_STARTED: add(text, "start command sent"); return true;
+    case MANAGER_STATE:
+    case MANAGER_NODE_STATE: add(text, "is %s", nmt_state_text(event->detail)); return true;
+    case MANAGER_NODE_BACK:
+        add(text, "heartbeat is back, %s", nmt_state_text(event->detail));
+        return true;
+    case MANAGER_NODE_BOOT_UP:
+        add(text, "boot-up message%s", event->actual ? "" : " of a node that is not configured");
+        return true;
+    default: return false;
+    }
+}
+
+static bool add_bad_news(struct text *text, const struct node_config *node,
+                         const struct co_event *event)
+{
+    struct boot_failure failure;
+
+    switch (event->type) {
+    case MANAGER_NODE_FAILED:
+        failure = boot_failure_of(event);
+        add_failure(text, node, &failure);
+        return true;
+    case MANAGER_NODE_LOST:
+        add(text, "heartbeat lost: silent for %u ms, was %s", (unsigned)event->expected,
+            nmt_state_text(event->detail));
+        return true;
+    case MANAGER_EMCY: add_emergency(text, event); return true;
+    default: return false;
+    }
+}
+
+static void add_command(struct text *text, const struct co_event *event)
+{
+    static const struct {
+        uint8_t command;
+        const char *name;
+    } names[] = { { NMT_START, "start" },
+                  { NMT_STOP, "stop" },
+                  { NMT_ENTER_PREOPERATIONAL, "enter pre-operational" },
+                  { NMT_RESET_NODE, "reset node" },
+                  { NMT_RESET_COMMUNICATION, "reset communication" } };
+
+    add(text, "another NMT master is on the bus: it commands \"");
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
+        if (names[i].command == event->detail)
+            add(text, "%s", names[i].name);
+    if (event->node == NMT_ALL_NODES)
+        add(text, "\" to all nodes");
+    else
+        add(text, "\" to node %u", event->node);
+}
+
+static bool add_network_news(struct text *text, const struct co_event *event,
+                             enum co_severity *ret_severity)
+{
+    switch (event->type) {
+    case MANAGER_NETWORK_UP:
+        *ret_severity = CO_INFO;
+        add(text, "network is up: %u of %u nodes booted", (unsigned)event->actual,
+            (unsigned)event->expected);
+        return true;
+    case MANAGER_HALTED:
+        *ret_severity = CO_ERROR;
+        add(text, "network not started: %u mandatory node%s missing", (unsigned)event->actual,
+            event->actual == 1 ? "" : "s");
+        if (event->expected)
+            add(text, " after %u ms (Boot_Time)", (unsigned)event->expected);
+        return true;
+    case MANAGER_SECOND_MASTER:
+        *ret_severity = CO_WARNING;
+        add_command(text, event);
+        return true;
+    default: return false;
+    }
+}
+
+bool boot_text_event(const struct network_config *config, const struct co_event *event,
+                     enum co_severity *ret_severity, char *text, size_t size)
+{
+    struct text line = { text, size };
+    const struct node_config *node = network_config_node(config, event->node);
+
+    if (add_network_news(&line, event, ret_severity))
+        return true;
+    add_node(&line, config, event->node);
+    if (add_good_news(&line, node, event)) {
+        *ret_severity = CO_INFO;
+        return true;
+    }
+    *ret_severity = event->type == MANAGER_EMCY ? CO_WARNING : CO_ERROR;
+    return add_bad_news(&line, node, event);
+}
+
+/* --- state of a node --- */
+
+static const char *waits_for(const struct boot_node *node)
+{
+    switch ((enum boot_step)node->step) {
+    case BOOT_IDLE: return node->config->nmt_slave ? "not booted yet" : "not booted by this master";
+    case BOOT_RESET: return "in its boot delay after a reset";
+    case BOOT_DEVICE_TYPE: return "waits for the answer to 1000h";
+    case BOOT_IDENTITY: return "waits for the answer to 1018h";
+    case BOOT_CHECK_CONFIGURATION: return "waits for the answer to 1020h";
+    case BOOT_CONFIGURE: return "is being configured";
+    case BOOT_SAVE: return "saves its configuration";
+    case BOOT_ERROR_CONTROL: return "waits for its heartbeat";
+    case BOOT_READY: return "booted, not started";
+    case BOOT_STARTED: return "started";
+    case BOOT_RETRY:
+    case BOOT_FAILED: return "failed";
+    }
+    return "";
+}
+
+void boot_text_node(const struct boot_node *node, char *text, size_t size)
+{
+    struct text line = { text, size };
+
+    if (node->failure.letter && !node->booted) {
+        add_failure(&line, node->config, &node->failure);
+        if (node->step == BOOT_RETRY)
+            add(&line, "; tried %u time%s", node->attempts, node->attempts == 1 ? "" : "s");
+        return;
+    }
+    add(&line, "%s", waits_for(node));
+    if (node->step == BOOT_CONFIGURE)
+        add(&line, ", entry %u of %u", node->entry_number, ccf_count(&node->config->ccf));
+}

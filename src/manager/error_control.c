@@ -1,0 +1,85 @@
+#include "manager/boot_network.h"
+
+static void put_event(struct manager *self, struct co_event event)
+{
+    co_outbox_put_event(&self->inner, &event);
+}
+
+/* A node has come up, by our reset or by itself. */
+static void on_boot_up(struct manager *self, uint8_t node_id, co_us_t now)
+{
+    struct boot_node *node = &self->nodes[node_id];
+
+    put_event(self, (struct co_event){ .type = MANAGER_NODE_BOOT_UP,
+                                       .node = node_id,
+                                       .actual = node->config != NULL });
+    if (!node->config)
+        return;
+    node->nmt_state = NMT_INITIALISING;
+    node->last_heartbeat = 0;
+    if (self->state == NETWORK_OFF || self->state == NETWORK_RESETTING)
+        return; /* it will be booted at the end of the boot delay */
+    if (!boot_node_is_booted_by_master(node) || !node->config->auto_start_slave)
+        return;
+    if (node->step != BOOT_RESET)
+        boot_network_reboot(self, node, now);
+}
+
+void error_control_on_frame(struct manager *self, const struct co_frame *frame, co_us_t now)
+{
+    uint8_t node_id, state;
+    struct boot_node *node;
+
+    if (!nmt_parse_error_control(frame, &node_id, &state))
+        return;
+    if (state == NMT_INITIALISING) {
+        on_boot_up(self, node_id, now);
+        return;
+    }
+    node = &self->nodes[node_id];
+    if (node->config)
+        boot_node_on_error_control(node, frame, now, &self->inner);
+}
+
+/*
+ * A running node has fallen silent. What a mandatory one means for the network is configured; else
+ * the node alone is reset and booted again, for as long as it takes.
+ */
+void error_control_on_lost(struct manager *self, uint8_t node_id, co_us_t now)
+{
+    struct boot_node *node = &self->nodes[node_id];
+    enum action_on_error action = self->config->action_on_error;
+
+    put_event(self, (struct co_event){ .type = MANAGER_NODE_LOST,
+                                       .node = node_id,
+                                       .detail = node->nmt_state,
+                                       .expected = node->config->consumer_heartbeat_time });
+    node->nmt_state = NMT_INITIALISING;
+    node->lost = true;
+    if (node->config->mandatory && action == ACTION_STOP_ALL) {
+        self->state = NETWORK_STOPPED;
+        self->stop_all_due = true;
+        slave_command(&self->device, NMT_STOP, now, &self->inner);
+        boot_network_on_time(self, now);
+    } else if (node->config->mandatory && action == ACTION_RESET_ALL) {
+        slave_command(&self->device, NMT_RESET_NODE, now, &self->inner);
+        boot_network_begin(self, NMT_RESET_NODE, now);
+    } else if (node->config->auto_start_slave) {
+        boot_network_reset_node(self, node,
+                                node->config->reset_node ? NMT_RESET_NODE
+                                                         : NMT_RESET_COMMUNICATION,
+                                now);
+    }
+}
+
+void error_control_on_alive(struct manager *self, uint8_t node_id)
+{
+    struct boot_node *node = &self->nodes[node_id];
+
+    if (node->lost)
+        put_event(self, (struct co_event){ .type = MANAGER_NODE_BACK,
+                                           .node = node_id,
+                                           .detail = node->nmt_state });
+    node->lost = false;
+    boot_node_on_heartbeat(node, &self->inner);
+}

@@ -1,0 +1,356 @@
+#include "manager/manager.h"
+
+#include "manager/boot_network.h"
+#include "manager/manager_od.h"
+
+#include <string.h>
+
+/* A call puts far fewer events than this; see on_frame. */
+#define EVENT_ROOM (MANAGER_INNER_EVENTS / 2)
+
+enum co_err manager_init(struct manager *self, const struct network_config *config)
+{
+    enum co_err err;
+
+    memset(self, 0, sizeof *self);
+    self->config = config;
+    self->deadline = CO_NEVER;
+    self->boot_limit = CO_NEVER;
+    co_outbox_init(&self->inner, self->inner_frames, MANAGER_INNER_FRAMES, self->inner_events,
+                   MANAGER_INNER_EVENTS);
+    for (uint8_t node = 1; node <= NETWORK_NODE_MAX; node++) {
+        boot_node_init(&self->nodes[node], node, network_config_node(config, node));
+        sdo_channel_init(&self->channels[node], node);
+    }
+    od_init(&self->od);
+    err = manager_od_fill(config, &self->od);
+    if (err == CO_OK)
+        err = slave_init(&self->device, config->manager_node_id, &self->od);
+    if (err != CO_OK)
+        od_done(&self->od);
+    return err;
+}
+
+void manager_done(struct manager *self)
+{
+    slave_done(&self->device);
+    od_done(&self->od);
+}
+
+/* --- what the machines inside tell --- */
+
+static void on_sdo_done(struct manager *self, const struct co_event *event, co_us_t now)
+{
+    struct boot_node *node = &self->nodes[event->node];
+    struct sdo_request *request =
+        sdo_channel_on_done(&self->channels[event->node], event, now, &self->inner);
+    struct co_event done = { .type = MANAGER_REQUEST_DONE, .node = event->node };
+
+    if (request == &node->request)
+        boot_node_on_sdo(node, now, &self->inner);
+    else if (request)
+        co_outbox_put_event(&self->inner, &done);
+}
+
+/* True if the event was for the manager alone. */
+static bool consume(struct manager *self, const struct co_event *event, co_us_t now)
+{
+    switch (event->type) {
+    case PROTO_SDO_DONE: on_sdo_done(self, event, now); return true;
+    case PROTO_HB_STATE: error_control_on_alive(self, event->node); return true;
+    case PROTO_HB_LOST: error_control_on_lost(self, event->node, now); return true;
+    case SLAVE_WRITTEN:
+    case SLAVE_EMCY: return true;
+    default: return false;
+    }
+}
+
+static struct co_event translate(const struct manager *self, const struct co_event *event)
+{
+    struct co_event outer = *event;
+
+    if (event->type == SLAVE_STATE) {
+        outer.type = MANAGER_STATE;
+        outer.node = self->config->manager_node_id;
+    }
+    return outer;
+}
+
+/* Moves frames and events out, in order, until nothing is left or there is no room. */
+static void settle(struct manager *self, co_us_t now, struct co_outbox *out)
+{
+    struct co_frame frame;
+    struct co_event event;
+
+    for (;;) {
+        while (co_outbox_room(out, 1, 0) && co_outbox_take_frame(&self->inner, &frame))
+            co_outbox_put_frame(out, &frame);
+        if (!co_outbox_room(out, 0, 1) || !co_outbox_take_event(&self->inner, &event))
+            return;
+        if (consume(self, &event, now)) {
+            boot_network_check(self, now);
+        } else {
+            struct co_event outer = translate(self, &event);
+
+            co_outbox_put_event(out, &outer);
+        }
+    }
+}
+
+/* --- frames --- */
+
+static bool is_in_range(const struct co_frame *frame, uint32_t base)
+{
+    return frame->id > base && frame->id <= base + NETWORK_NODE_MAX &&
+           !(frame->flags & (CO_FRAME_EXT | CO_FRAME_RTR));
+}
+
+static void on_emergency(struct manager *self, const struct co_frame *frame)
+{
+    struct co_event event;
+
+    if (!emcy_parse(frame, &event))
+        return;
+    if (!self->nodes[event.node].config && !self->config->preset_emergency_consumer)
+        return;
+    event.type = MANAGER_EMCY;
+    co_outbox_put_event(&self->inner, &event);
+}
+
+/* Another master on the bus: not ours to forbid, but to know and to tell. */
+static void on_foreign_command(struct manager *self, const struct co_frame *frame)
+{
+    uint8_t target = frame->data[1];
+    struct co_event event = { .type = MANAGER_SECOND_MASTER, .node = target };
+    enum nmt_command command;
+
+    if (!nmt_command_for(frame, target, &command))
+        return;
+    event.detail = (uint8_t)command;
+    co_outbox_put_event(&self->inner, &event);
+    FOR_EACH_NODE(self, node) {
+        if (target == NMT_ALL_NODES || target == node->config->node_id)
+            boot_node_commanded(node, command);
+    }
+}
+
+static void dispatch(struct manager *self, const struct co_frame *frame, co_us_t now)
+{
+    uint32_t node = frame->id & 0x7Fu;
+    bool own = (frame->flags & CO_FRAME_OWN) != 0;
+
+    if (is_in_range(frame, SDO_RESPONSE_ID) || (own && is_in_range(frame, SDO_REQUEST_ID)))
+        sdo_client_on_frame(&self->channels[node].client, frame, now, &self->inner);
+    else if (own)
+        return;
+    else if (is_in_range(frame, NMT_ERROR_CONTROL_ID))
+        error_control_on_frame(self, frame, now);
+    else if (is_in_range(frame, EMCY_CAN_ID))
+        on_emergency(self, frame);
+    else if (frame->id == NMT_CAN_ID && frame->flags == 0 && frame->dlc == 2 &&
+             self->config->nmt_master)
+        on_foreign_command(self, frame);
+}
+
+void manager_on_frame(struct manager *self, const struct co_frame *frame, co_us_t now,
+                      struct co_outbox *out)
+{
+    settle(self, now, out);
+    if (!co_outbox_room(&self->inner, 0, EVENT_ROOM)) {
+        self->dropped++; /* the owner has not drained us for hundreds of events */
+        return;
+    }
+    slave_on_frame(&self->device, frame, now, &self->inner);
+    dispatch(self, frame, now);
+    boot_network_check(self, now);
+    settle(self, now, out);
+}
+
+/* --- orders --- */
+
+void manager_start(struct manager *self, co_us_t now, struct co_outbox *out)
+{
+    slave_start(&self->device, now, &self->inner);
+    if (self->config->nmt_master)
+        boot_network_begin(self,
+                           self->config->reset_all ? NMT_RESET_NODE : NMT_RESET_COMMUNICATION,
+                           now);
+    else if (self->config->auto_operational)
+        slave_command(&self->device, NMT_START, now, &self->inner);
+    settle(self, now, out);
+}
+
+static bool is_booting(const struct manager *self)
+{
+    return self->state == NETWORK_OFF || self->state == NETWORK_RESETTING ||
+           self->state == NETWORK_BOOTING || self->state == NETWORK_HALTED;
+}
+
+static bool is_reset(enum nmt_command command)
+{
+    return command == NMT_RESET_NODE || command == NMT_RESET_COMMUNICATION;
+}
+
+static enum co_err command_self(struct manager *self, enum nmt_command command, co_us_t now)
+{
+    if (is_reset(command)) {
+        slave_command(&self->device, command, now, &self->inner);
+        boot_network_begin(self, command, now);
+        return CO_OK;
+    }
+    if (is_booting(self))
+        return CO_ERR_STATE;
+    if (command == NMT_START && self->state != NETWORK_OPERATIONAL) {
+        boot_network_go(self, now);
+    } else if (command != NMT_START) {
+        slave_command(&self->device, command, now, &self->inner);
+        self->state = NETWORK_WAITING;
+    }
+    return CO_OK;
+}
+
+static enum co_err send_command(struct manager *self, enum nmt_command command, uint8_t node)
+{
+    struct co_frame frame = nmt_command_frame(command, node);
+
+    if (!co_outbox_room(&self->inner, 1, 0))
+        return CO_ERR_AGAIN;
+    co_outbox_put_frame(&self->inner, &frame);
+    return CO_OK;
+}
+
+static enum co_err command_all(struct manager *self, enum nmt_command command, co_us_t now)
+{
+    enum co_err err;
+
+    if (is_reset(command))
+        return command_self(self, command, now);
+    if (is_booting(self))
+        return CO_ERR_STATE;
+    if (command == NMT_START && self->state != NETWORK_OPERATIONAL) {
+        self->state = NETWORK_OPERATIONAL;
+        slave_command(&self->device, NMT_START, now, &self->inner);
+    }
+    err = send_command(self, command, NMT_ALL_NODES);
+    if (err == CO_OK)
+        FOR_EACH_NODE(self, node)
+            boot_node_commanded(node, command);
+    return err;
+}
+
+static enum co_err command_node(struct manager *self, enum nmt_command command,
+                                struct boot_node *node, co_us_t now)
+{
+    bool ready = node->step == BOOT_READY || node->step == BOOT_STARTED;
+    enum co_err err;
+
+    if (command == NMT_START && self->state != NETWORK_OPERATIONAL)
+        return CO_ERR_STATE;
+    if (boot_node_is_booted_by_master(node) && is_reset(command) &&
+        node->config->auto_start_slave) {
+        if (self->state == NETWORK_OFF || self->state == NETWORK_RESETTING)
+            return CO_ERR_STATE;
+        boot_network_reset_node(self, node, command, now);
+        return CO_OK;
+    }
+    if (boot_node_is_booted_by_master(node) && !ready && !is_reset(command))
+        return CO_ERR_STATE;
+    err = send_command(self, command, node->config->node_id);
+    if (err == CO_OK)
+        boot_node_commanded(node, command);
+    return err;
+}
+
+enum co_err manager_command(struct manager *self, enum nmt_command command, uint8_t node,
+                            co_us_t now, struct co_outbox *out)
+{
+    enum co_err err;
+
+    if (node == self->config->manager_node_id)
+        err = command_self(self, command, now);
+    else if (node == NMT_ALL_NODES)
+        err = command_all(self, command, now);
+    else if (node > NETWORK_NODE_MAX || !self->nodes[node].config)
+        err = CO_ERR_NOT_FOUND;
+    else
+        err = command_node(self, command, &self->nodes[node], now);
+    boot_network_check(self, now);
+    settle(self, now, out);
+    return err;
+}
+
+void manager_submit(struct manager *self, uint8_t node, struct sdo_request *request, co_us_t now,
+                    struct co_outbox *out)
+{
+    sdo_channel_submit(&self->channels[node], request, now, &self->inner);
+    settle(self, now, out);
+}
+
+void manager_cancel(struct manager *self, uint8_t node, struct sdo_request *request, co_us_t now,
+                    struct co_outbox *out)
+{
+    struct sdo_channel *channel = &self->channels[node];
+
+    if (request->state != REQUEST_QUEUED && request->state != REQUEST_RUNNING)
+        return;
+    if (!sdo_channel_cancel(channel, request, SDO_TIMEOUT, now, &self->inner))
+        sdo_channel_cancel(channel, request, SDO_OK, now, &self->inner);
+    settle(self, now, out);
+}
+
+static bool node_is_up(const struct manager *self, const struct boot_node *node)
+{
+    bool started_by_master = self->config->auto_operational && self->config->auto_start &&
+                             node->config->auto_start_slave;
+
+    if (!boot_node_is_booted_by_master(node))
+        return true;
+    return node->booted && (!started_by_master || node->nmt_state == NMT_OPERATIONAL);
+}
+
+bool manager_is_up(const struct manager *self, bool all)
+{
+    if (!self->config->nmt_master)
+        return self->device.state == NMT_OPERATIONAL;
+    if (self->state != NETWORK_OPERATIONAL && self->state != NETWORK_WAITING)
+        return false;
+    for (size_t i = 0; i < self->config->node_count; i++) {
+        const struct boot_node *node = &self->nodes[self->config->nodes[i].node_id];
+
+        if ((all || node->config->mandatory) && !node_is_up(self, node))
+            return false;
+    }
+    return true;
+}
+
+/* --- time --- */
+
+void manager_on_time(struct manager *self, co_us_t now, struct co_outbox *out)
+{
+    settle(self, now, out);
+    if (!co_outbox_room(&self->inner, 0, EVENT_ROOM))
+        return;
+    slave_on_time(&self->device, now, &self->inner);
+    for (uint8_t node = 1; node <= NETWORK_NODE_MAX; node++) {
+        sdo_client_on_time(&self->channels[node].client, now, &self->inner);
+        if (self->nodes[node].config)
+            boot_node_on_time(&self->nodes[node], now, &self->inner);
+    }
+    boot_network_on_time(self, now);
+    boot_network_check(self, now);
+    settle(self, now, out);
+}
+
+co_us_t manager_deadline(const struct manager *self)
+{
+    co_us_t deadline = co_earlier(slave_deadline(&self->device), boot_network_deadline(self));
+
+    if (self->inner.frame_count > 0 || self->inner.event_count > 0)
+        return 0;
+    for (uint8_t node = 1; node <= NETWORK_NODE_MAX; node++) {
+        deadline = co_earlier(deadline, sdo_client_deadline(&self->channels[node].client));
+        if (self->nodes[node].config)
+            deadline = co_earlier(deadline, boot_node_deadline(&self->nodes[node]));
+    }
+    return deadline;
+}

@@ -1,0 +1,186 @@
+#include "manager/network_config_check.h"
+
+#include <string.h>
+
+/* What is refused until the code that does it is there: then its row goes. */
+static const struct not_yet {
+    const char *element;
+    bool even_default;  /* refused whatever its value; else only with another than its default */
+    const char *also;   /* only if this one is used as well ... */
+    const char *unless; /* ... and this one is not */
+    const char *text;
+} not_yet[] = {
+    { "Sync_Interval", true, NULL, NULL, "the SYNC producer is not supported yet" },
+    { "Guard_Time", false, "Life_Time_Factor", "Consumer_Heartbeat_Time",
+      "node guarding is not supported yet; use Consumer_Heartbeat_Time" },
+    { "NMT_Check_Nodestate", false, NULL, NULL, "keeping a node alive is not supported yet" },
+    { "NMT_Verify_Software", false, NULL, NULL, "the software check is not supported yet" },
+    { "NMT_Allow_Software_Update", false, NULL, NULL, "the software update is not supported yet" },
+    { "Software_Identification", false, NULL, NULL, "the software check is not supported yet" },
+    { "Software_File", false, NULL, NULL, "the software update is not supported yet" },
+    { "Verify_Configuration", false, NULL, NULL,
+      "comparing before writing is not supported yet" },
+    { "SDO_Block_Size", false, NULL, NULL, "SDO block transfer is not supported yet" },
+};
+
+/* The line of a valid element; 0: not there. */
+static unsigned valid_line(const struct element_table *table, const struct element_lines *lines,
+                           const char *name)
+{
+    return lines->valid[element_find(table, name) - table->rows];
+}
+
+static bool is_used(const struct element_table *table, const char *name, const void *base)
+{
+    return element_is_used(element_find(table, name), base);
+}
+
+static bool is_refused(const struct not_yet *row, const struct element_table *table,
+                       const void *base)
+{
+    if (!row->even_default && !is_used(table, row->element, base))
+        return false;
+    return (!row->also || is_used(table, row->also, base)) &&
+           (!row->unless || !is_used(table, row->unless, base));
+}
+
+static void check_not_yet(const struct element_table *table, const struct element_lines *lines,
+                          const void *base, struct faults *faults)
+{
+    for (size_t i = 0; i < sizeof not_yet / sizeof *not_yet; i++) {
+        const struct not_yet *row = &not_yet[i];
+
+        if (element_find(table, row->element) && valid_line(table, lines, row->element) != 0 &&
+            is_refused(row, table, base))
+            faults_error(faults, CO_ERR_VALUE, valid_line(table, lines, row->element), "%s: %s",
+                         row->element, row->text);
+    }
+}
+
+void check_mandatory(const struct element_table *table, const struct element_lines *lines,
+                     unsigned line, struct faults *faults)
+{
+    for (size_t i = 0; i < table->count; i++)
+        if (table->rows[i].mandatory && lines->any[i] == 0)
+            faults_error(faults, CO_ERR_VALUE, line, "%s: %s is missing", table->parent,
+                         table->rows[i].name);
+}
+
+static void check_unique(const char *name, unsigned number, unsigned line, unsigned *lines,
+                         struct faults *faults)
+{
+    if (line == 0)
+        return;
+    if (lines[number] != 0)
+        faults_error(faults, CO_ERR_VALUE, line, "%s: %u is already given in line %u", name, number,
+                     lines[number]);
+    else
+        lines[number] = line;
+}
+
+static void check_files(const struct node_config *config, const struct element_lines *lines,
+                        struct faults *faults)
+{
+    unsigned dcf = valid_line(&node_elements, lines, "DCF_File");
+    unsigned ccf = valid_line(&node_elements, lines, "CCF_File");
+
+    if (dcf != 0 && ccf > dcf)
+        faults_error(faults, CO_ERR_VALUE, ccf, "CCF_File: there is a DCF_File in line %u already",
+                     dcf);
+    else if (dcf != 0 && ccf != 0)
+        faults_error(faults, CO_ERR_VALUE, dcf, "DCF_File: there is a CCF_File in line %u already",
+                     ccf);
+    else if (ccf != 0 && config->old_config_style)
+        faults_note(faults, CO_WARNING, valid_line(&node_elements, lines, "Old_Config_Style"),
+                    "Old_Config_Style: has no effect on a CCF_File");
+}
+
+/* A device is spared the download only if both are equal, so one alone is a mistake. */
+static void check_date(const struct element_lines *lines, struct faults *faults)
+{
+    unsigned date = valid_line(&node_elements, lines, "Configuration_Date");
+    unsigned time = valid_line(&node_elements, lines, "Configuration_Time");
+
+    if (date != 0 && time == 0)
+        faults_error(faults, CO_ERR_VALUE, date,
+                     "Configuration_Date: needs Configuration_Time too");
+    if (time != 0 && date == 0)
+        faults_error(faults, CO_ERR_VALUE, time,
+                     "Configuration_Time: needs Configuration_Date too");
+}
+
+static void check_error_control(const struct node_config *config, const struct element_lines *lines,
+                                struct faults *faults)
+{
+    if (config->consumer_heartbeat_time != 0 && config->guard_time != 0 &&
+        config->life_time_factor != 0)
+        faults_note(faults, CO_INFO, valid_line(&node_elements, lines, "Guard_Time"),
+                    "Guard_Time: not used, Consumer_Heartbeat_Time takes its place");
+}
+
+void check_node(const struct node_config *config, const struct element_lines *lines,
+                struct unique_lines *unique, struct faults *faults)
+{
+    check_mandatory(&node_elements, lines, config->line, faults);
+    check_unique("Node_Id", config->node_id, valid_line(&node_elements, lines, "Node_Id"),
+                 unique->nodes, faults);
+    check_files(config, lines, faults);
+    check_date(lines, faults);
+    check_error_control(config, lines, faults);
+    check_not_yet(&node_elements, lines, config, faults);
+}
+
+/* The portable scale; native priorities are the operating system's to judge. */
+static void check_priorities(const char *name, const int16_t *values, size_t count, unsigned line,
+                             struct faults *faults)
+{
+    for (size_t i = 0; i < count; i++)
+        if (values[i] < 0 || values[i] > 31) {
+            faults_error(faults, CO_ERR_VALUE, line,
+                         "%s: %d is out of range 0..31 (Native_Thread_Priorities is FALSE)", name,
+                         values[i]);
+            return;
+        }
+}
+
+static void check_manager_id(const struct network_config *config, const struct element_lines *lines,
+                             const struct unique_lines *unique, struct faults *faults)
+{
+    unsigned node_line = unique->nodes[config->manager_node_id];
+    unsigned line = valid_line(&network_elements, lines, "Manager_Node_Id");
+
+    if (node_line == 0)
+        return;
+    if (line != 0)
+        faults_error(faults, CO_ERR_VALUE, node_line,
+                     "Node_Id: %u is the manager's own (Manager_Node_Id in line %u)",
+                     config->manager_node_id, line);
+    else
+        faults_error(faults, CO_ERR_VALUE, node_line,
+                     "Node_Id: %u is the manager's own (default of Manager_Node_Id)",
+                     config->manager_node_id);
+}
+
+void check_network(const struct network_config *config, const struct element_lines *lines,
+                   struct unique_lines *unique, struct faults *faults)
+{
+    const struct element_table *table = &network_elements;
+    unsigned cob_id = valid_line(table, lines, "Sync_Cob_Id");
+
+    check_mandatory(table, lines, config->line, faults);
+    check_unique("Net_No", config->net, valid_line(table, lines, "Net_No"), unique->nets, faults);
+    check_manager_id(config, lines, unique, faults);
+    if (!config->native_priorities) {
+        check_priorities("Manager_Thread_Priorities", config->manager_priorities, 3,
+                         valid_line(table, lines, "Manager_Thread_Priorities"), faults);
+        check_priorities("Slave_Thread_Priorities", config->slave_priorities, 4,
+                         valid_line(table, lines, "Slave_Thread_Priorities"), faults);
+    }
+    if (cob_id != 0 && !config->has_sync_interval)
+        faults_note(faults, CO_WARNING, cob_id, "Sync_Cob_Id: has no effect without Sync_Interval");
+    if (config->node_count == 0)
+        faults_note(faults, CO_WARNING, config->line,
+                    "Manager_Instance: without any Node_Instance there is nothing to manage");
+    check_not_yet(table, lines, config, faults);
+    memset(unique->nodes, 0, sizeof unique->nodes);
+}

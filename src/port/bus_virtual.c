@@ -1,0 +1,387 @@
+/* The virtual bus of bus.h on the shared memory of bus_segment.h. */
+#include "port/bus_ops.h"
+#include "port/bus_segment.h"
+#include "port/clock.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+/*
+ * A sender that is killed or stopped between its frame and its wake-up leaves sleepers behind. They
+ * wake up with the next frame, or when they look for themselves after this time.
+ */
+#define SLEEP_LIMIT CO_MS(1000)
+
+#define WAKE_BYTES_MAX 16 /* more than a socket queues for a sleeping participant */
+
+struct bus_virtual {
+    struct bus bus;
+    struct segment segment;
+    struct bus_filter *filters;
+    size_t filter_count;
+    uint64_t cursor; /* number of the next frame to read */
+    uint64_t lost;   /* not yet told */
+    uint64_t ticket; /* the last one used: our number and a counter */
+    unsigned slot;
+    uint32_t number;
+    int socket; /* gets the bytes that wake us, sends those that wake others */
+    int wake;   /* eventfd of bus_wake() */
+    bool own_frames;
+    _Atomic bool held; /* the last attempt to lock failed */
+};
+
+static struct bus_virtual *to_virtual(struct bus *bus)
+{
+    return (struct bus_virtual *)bus;
+}
+
+/* Waits for a stopped holder once, and only tries from then on. */
+static enum co_err lock_segment(struct bus_virtual *self)
+{
+    co_us_t limit = atomic_load(&self->held) ? 0 : SEGMENT_HOLD_LIMIT;
+    enum co_err err = segment_lock(&self->segment, limit);
+
+    atomic_store(&self->held, err == CO_ERR_HELD);
+    return err;
+}
+
+/* --- sending --- */
+
+static void wake_participant(struct bus_virtual *self, unsigned index)
+{
+    struct segment_slot *slot = &self->segment.map->slots[index];
+    uint64_t ticket = atomic_load(&slot->ticket);
+    uint32_t number;
+    struct sockaddr_un address;
+    socklen_t length;
+    ssize_t sent;
+
+    if (ticket == 0)
+        return;
+    number = atomic_load(&slot->number);
+    if (number == 0)
+        return;
+    length = segment_address(&self->segment, number, &address);
+    sent = sendto(self->socket, "", 1, MSG_DONTWAIT | MSG_NOSIGNAL,
+                  (const struct sockaddr *)&address, length);
+    if (sent < 0 && errno == ECONNREFUSED)
+        segment_free_slot(&self->segment, index, number);
+    if (sent == 1)
+        atomic_compare_exchange_strong(&slot->ticket, &ticket, 0);
+}
+
+static void wake_participants(struct bus_virtual *self)
+{
+    unsigned count = atomic_load_explicit(&self->segment.map->slots_used, memory_order_relaxed);
+
+    for (unsigned i = 0; i < count && i < SEGMENT_SLOTS; i++) {
+        if (i != self->slot || self->own_frames)
+            wake_participant(self, i);
+    }
+}
+
+static enum co_err virtual_send(struct bus *bus, const struct co_frame *frame)
+{
+    struct bus_virtual *self = to_virtual(bus);
+    struct segment_frame record = { .frame = *frame, .slot = self->slot };
+    enum co_err err = lock_segment(self);
+
+    if (err)
+        return err;
+    record.frame.flags &= CO_FRAME_EXT | CO_FRAME_RTR;
+    record.time = clock_now(); /* in the order of the frames */
+    segment_append(&self->segment, &record);
+    segment_unlock(&self->segment);
+    wake_participants(self);
+    return CO_OK;
+}
+
+/* --- receiving --- */
+
+static bool is_wanted(const struct bus_virtual *self, const struct segment_frame *record)
+{
+    if (record->slot == self->slot && !self->own_frames)
+        return false;
+    return bus_filters_pass(self->filters, self->filter_count, &record->frame);
+}
+
+static enum co_err virtual_receive(struct bus *bus, struct bus_rx *ret_rx)
+{
+    struct bus_virtual *self = to_virtual(bus);
+    struct segment_frame record = { .slot = 0 };
+
+    do {
+        if (!segment_read(&self->segment, &self->cursor, &self->lost, &record))
+            return CO_ERR_AGAIN;
+    } while (!is_wanted(self, &record));
+    ret_rx->frame = record.frame;
+    if (record.slot == self->slot)
+        ret_rx->frame.flags |= CO_FRAME_OWN;
+    else
+        ret_rx->frame.tag = 0;
+    ret_rx->time = record.time;
+    ret_rx->lost = self->lost < UINT_MAX ? (unsigned)self->lost : UINT_MAX;
+    self->lost = 0;
+    return CO_OK;
+}
+
+/* True if a frame for us is there; those that are not are left behind. */
+static bool has_frame(struct bus_virtual *self)
+{
+    struct segment_frame record = { .slot = 0 };
+    uint64_t next = self->cursor;
+    uint64_t lost = self->lost;
+
+    while (segment_read(&self->segment, &next, &lost, &record)) {
+        if (is_wanted(self, &record))
+            return true;
+        self->cursor = next;
+        self->lost = lost;
+    }
+    self->cursor = next;
+    self->lost = lost;
+    return false;
+}
+
+static void drain_socket(int fd)
+{
+    char byte;
+
+    for (unsigned i = 0; i < WAKE_BYTES_MAX && recv(fd, &byte, 1, MSG_DONTWAIT) >= 0; i++)
+        ;
+}
+
+static bool take_wake(int fd)
+{
+    uint64_t count;
+
+    return read(fd, &count, sizeof count) == (ssize_t)sizeof count;
+}
+
+/* Sleeps until somebody may have sent or the deadline. */
+static enum co_err sleep_until(struct bus_virtual *self, co_us_t deadline, bool *ret_woken)
+{
+    struct bus_poll poll = { .fd = { self->socket, self->wake } };
+    struct segment_slot *slot = &self->segment.map->slots[self->slot];
+    enum co_err err = CO_OK;
+
+    atomic_store(&slot->ticket, ++self->ticket);
+    if (segment_is_drained(&self->segment, self->cursor))
+        err = bus_poll_until(&poll, deadline);
+    atomic_store(&slot->ticket, 0);
+    if (poll.readable[0])
+        drain_socket(self->socket);
+    *ret_woken = poll.readable[1] && take_wake(self->wake);
+    return err;
+}
+
+static enum co_err virtual_wait(struct bus *bus, co_us_t deadline)
+{
+    struct bus_virtual *self = to_virtual(bus);
+    bool woken = false;
+
+    while (!has_frame(self)) {
+        enum co_err err = sleep_until(self, co_earlier(deadline, clock_now() + SLEEP_LIMIT), &woken);
+
+        if (woken)
+            return CO_OK;
+        if (err && err != CO_ERR_TIMEOUT)
+            return err;
+        if (clock_now() >= deadline)
+            return has_frame(self) ? CO_OK : CO_ERR_TIMEOUT;
+    }
+    return CO_OK;
+}
+
+static void virtual_wake(struct bus *bus)
+{
+    const uint64_t one = 1;
+    ssize_t size = write(to_virtual(bus)->wake, &one, sizeof one);
+
+    (void)size; /* EAGAIN: 2^64 - 2 wake-ups are pending, one more says nothing new */
+}
+
+static enum co_err virtual_set_filters(struct bus *bus, const struct bus_filter *filters,
+                                       size_t count)
+{
+    struct bus_virtual *self = to_virtual(bus);
+    struct bus_filter *copy = NULL;
+
+    if (count > 0) {
+        copy = malloc(count * sizeof *copy);
+        if (!copy)
+            return CO_ERR_MEMORY;
+        memcpy(copy, filters, count * sizeof *copy);
+    }
+    free(self->filters);
+    self->filters = copy;
+    self->filter_count = count;
+    return CO_OK;
+}
+
+/* --- state --- */
+
+static enum bus_state virtual_get_state(struct bus *bus)
+{
+    struct bus_virtual *self = to_virtual(bus);
+
+    if (!atomic_load(&self->held))
+        return BUS_ACTIVE;
+    if (lock_segment(self) != CO_OK)
+        return BUS_DOWN;
+    segment_unlock(&self->segment);
+    return BUS_ACTIVE;
+}
+
+static enum co_err explain_hold(const struct segment *segment, const struct bus_message *message)
+{
+    unsigned pid = atomic_load(&segment->map->holder);
+
+    return bus_fail(message, CO_ERR_HELD,
+                    "virtual bus %s is held by pid %u, which is stopped; continue or kill it",
+                    segment->name, pid);
+}
+
+static void virtual_explain(struct bus *bus, char *text, size_t size)
+{
+    const struct bus_message message = { text, size };
+
+    if (virtual_get_state(bus) == BUS_DOWN)
+        explain_hold(&to_virtual(bus)->segment, &message);
+    else
+        bus_fail(&message, CO_OK, "virtual bus %s is up", to_virtual(bus)->segment.name);
+}
+
+/* --- opening and closing --- */
+
+static void virtual_close(struct bus *bus)
+{
+    struct bus_virtual *self = to_virtual(bus);
+
+    segment_free_slot(&self->segment, self->slot, self->number);
+    close(self->socket);
+    close(self->wake);
+    segment_close(&self->segment);
+    free(self->filters);
+    free(self);
+}
+
+static const struct bus_ops virtual_ops = { .close = virtual_close,
+                                            .send = virtual_send,
+                                            .receive = virtual_receive,
+                                            .wait = virtual_wait,
+                                            .wake = virtual_wake,
+                                            .set_filters = virtual_set_filters,
+                                            .get_state = virtual_get_state,
+                                            .explain = virtual_explain };
+
+/* A number whose address nobody has bound: a forked child may hold one longer than its bus. */
+static enum co_err bind_address(struct bus_virtual *self)
+{
+    struct sockaddr_un address;
+
+    for (unsigned tries = 0; tries < 2 * SEGMENT_SLOTS; tries++) {
+        uint32_t number = self->segment.map->next_number++;
+        socklen_t length = segment_address(&self->segment, number, &address);
+
+        if (number != 0 && bind(self->socket, (struct sockaddr *)&address, length) == 0) {
+            self->number = number;
+            return CO_OK;
+        }
+    }
+    return CO_ERR_IO;
+}
+
+static enum co_err register_locked(struct bus_virtual *self, const struct bus_message *message)
+{
+    if (segment_find_slot(&self->segment, &self->slot) != CO_OK) {
+        return bus_fail(message, CO_ERR_MEMORY,
+                        "virtual bus %s has %u participants, there is no room for another",
+                        self->segment.name, SEGMENT_SLOTS);
+    }
+    if (bind_address(self) != CO_OK)
+        return bus_fail(message, CO_ERR_IO, "virtual bus %s: cannot bind a socket: %s",
+                        self->segment.name, strerror(errno));
+    self->ticket = (uint64_t)self->number << 32;
+    self->cursor = atomic_load(&self->segment.map->head);
+    segment_take_slot(&self->segment, self->slot, self->number);
+    return CO_OK;
+}
+
+static enum co_err register_participant(struct bus_virtual *self, const struct bus_message *message)
+{
+    enum co_err err = segment_lock(&self->segment, SEGMENT_HOLD_LIMIT);
+
+    if (err == CO_ERR_HELD)
+        return explain_hold(&self->segment, message);
+    if (err)
+        return bus_fail(message, err, "virtual bus %s: %s is damaged; remove it",
+                        self->segment.name, self->segment.path);
+    err = register_locked(self, message);
+    segment_unlock(&self->segment);
+    return err;
+}
+
+static enum co_err open_descriptors(struct bus_virtual *self, const struct bus_message *message)
+{
+    self->socket = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    self->wake = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    if (self->socket >= 0 && self->wake >= 0)
+        return CO_OK;
+    return bus_fail(message, CO_ERR_IO, "virtual bus %s: %s", self->segment.name, strerror(errno));
+}
+
+static void close_descriptors(const struct bus_virtual *self)
+{
+    if (self->socket >= 0)
+        close(self->socket);
+    if (self->wake >= 0)
+        close(self->wake);
+}
+
+static enum co_err open_parts(struct bus_virtual *self, const char *name,
+                              const struct bus_message *message)
+{
+    enum co_err err = segment_open(&self->segment, name, message);
+
+    if (err)
+        return err;
+    err = open_descriptors(self, message);
+    if (!err)
+        err = register_participant(self, message);
+    if (err) {
+        close_descriptors(self);
+        segment_close(&self->segment);
+    }
+    return err;
+}
+
+enum co_err bus_virtual_open(const char *name, const struct bus_options *options,
+                             struct bus **ret_bus, const struct bus_message *message)
+{
+    struct bus_virtual *self;
+    enum co_err err;
+
+    if (!segment_name_is_valid(name)) {
+        return bus_fail(message, CO_ERR_ARG,
+                        "\"%s\" cannot name a virtual bus: 1 to %u letters, digits, '-', '_', '.'",
+                        name, SEGMENT_NAME_MAX);
+    }
+    self = calloc(1, sizeof *self);
+    if (!self)
+        return bus_fail(message, CO_ERR_MEMORY, "virtual bus %s: out of memory", name);
+    self->bus.ops = &virtual_ops;
+    self->own_frames = options->own_frames;
+    err = open_parts(self, name, message);
+    if (err) {
+        free(self);
+        return err;
+    }
+    *ret_bus = &self->bus;
+    return CO_OK;
+}

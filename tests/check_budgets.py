@@ -1,0 +1,141 @@
+#!/usr/bin/env python3
+"""The budgets of function and file sizes as a test, measured by lizard.
+
+    check_budgets.py [--root DIR]
+
+lizard is a package of PyPI. tests/run.sh puts it into build/venv; by hand:
+    python3 -m venv build/venv && build/venv/bin/pip install -r tests/requirements.txt
+MCANOPEN_VENV names another place. Without lizard this test fails.
+"""
+import argparse
+import ast
+import os
+import statistics
+import sys
+from pathlib import Path
+
+FOLDERS = ("src", "tools", "tests", "examples")
+SUFFIXES = (".c", ".h", ".py", ".sh")
+MAX_LINES, MEDIAN_LINES, P95_LINES = 60, 12, 40
+MAX_COMPLEXITY, MAX_NESTING, MAX_PARAMETERS = 12, 4, 6
+MAX_FILE_LINES = 600
+API_PREFIXES = ("mcanOpen", "canOpen")  # signatures that the manual fixes
+PERCENTILE_FROM = 20  # so few functions have no meaningful median
+
+
+def venv_folder(root):
+    return Path(os.environ.get("MCANOPEN_VENV", root / "build" / "venv"))
+
+
+def load_lizard(root):
+    """The module, from here or from the venv; None when there is none."""
+    for folder in sorted(venv_folder(root).glob("lib/python3*/site-packages")):
+        sys.path.append(str(folder))
+    try:
+        import lizard
+    except ImportError:
+        return None
+    return lizard
+
+
+def source_files(root, folder):
+    return sorted(p for p in (root / folder).rglob("*")
+                  if p.suffix in SUFFIXES and p.is_file() and "data" not in p.parts)
+
+
+PYTHON_BLOCKS = (ast.If, ast.For, ast.While, ast.With, ast.Try)
+
+
+def python_nesting(node, depth=0):
+    """How deep blocks lie in each other; an elif is no deeper than its if."""
+    deepest = depth
+    for child in ast.iter_child_nodes(node):
+        is_elif = isinstance(node, ast.If) and isinstance(child, ast.If) and child in node.orelse
+        is_block = isinstance(child, PYTHON_BLOCKS) and not is_elif
+        deepest = max(deepest, python_nesting(child, depth + is_block))
+    return deepest
+
+
+def correct_python_nesting(path, functions):
+    """lizard adds the blocks of all functions of a Python file up."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    depths = {node.lineno: python_nesting(node) for node in ast.walk(tree)
+              if isinstance(node, ast.FunctionDef)}
+    for function in functions:
+        function.max_nested_structures = depths[function.start_line]
+
+
+def functions_of(lizard, path):
+    functions = lizard.FileAnalyzer(lizard.get_extensions(["ns"]))(str(path)).function_list
+    if path.suffix == ".py":
+        correct_python_nesting(path, functions)
+    return functions
+
+
+def function_findings(path, function):
+    place = f"{path}:{function.start_line}: {function.name}"
+    parameters = len(function.full_parameters)
+    if function.length > MAX_LINES:
+        yield f"{place}: {function.length} lines, budget {MAX_LINES}"
+    if function.cyclomatic_complexity > MAX_COMPLEXITY:
+        yield f"{place}: complexity {function.cyclomatic_complexity}, budget {MAX_COMPLEXITY}"
+    if function.max_nested_structures > MAX_NESTING:
+        yield f"{place}: nesting {function.max_nested_structures}, budget {MAX_NESTING}"
+    if parameters > MAX_PARAMETERS and not function.name.startswith(API_PREFIXES):
+        yield f"{place}: {parameters} parameters, budget {MAX_PARAMETERS}"
+
+
+def file_findings(path, shown):
+    lines = len(path.read_text(encoding="utf-8").splitlines())
+    if lines > MAX_FILE_LINES:
+        yield f"{shown}:{MAX_FILE_LINES + 1}: {lines} lines, budget {MAX_FILE_LINES}"
+
+
+def percentile(sorted_values, percent):
+    return sorted_values[max(0, -(-len(sorted_values) * percent // 100) - 1)]
+
+
+def spread_findings(name, lengths):
+    """Median and 95th percentile of the lengths of all functions of a folder."""
+    lengths = sorted(lengths)
+    if len(lengths) < PERCENTILE_FROM:
+        return
+    median, p95 = statistics.median(lengths), percentile(lengths, 95)
+    print(f"{name}: {len(lengths)} functions, median {median:g}, p95 {p95}, max {lengths[-1]} lines")
+    if median > MEDIAN_LINES:
+        yield f"{name}: median of {median:g} lines, budget {MEDIAN_LINES}"
+    if p95 > P95_LINES:
+        yield f"{name}: 95th percentile of {p95} lines, budget {P95_LINES}"
+
+
+def check_folder(lizard, root, folder):
+    findings, lengths = [], []
+    for path in source_files(root, folder):
+        shown = path.relative_to(root)
+        findings += file_findings(path, shown)
+        if path.suffix == ".sh":
+            continue
+        for function in functions_of(lizard, path):
+            findings += function_findings(shown, function)
+            lengths.append(function.length)
+    return findings + list(spread_findings(folder, lengths))
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--root", type=Path, default=Path(__file__).resolve().parent.parent)
+    root = parser.parse_args(arguments).root
+    lizard = load_lizard(root)
+    if lizard is None:
+        print("check_budgets: lizard is missing. Run sh tests/run.sh, or: python3 -m venv build/venv"
+              " && build/venv/bin/pip install -r tests/requirements.txt")
+        return 2
+    findings = [f for folder in FOLDERS for f in check_folder(lizard, root, folder)]
+    for finding in findings:
+        print(finding)
+    print(f"check_budgets: {len(findings)} findings")
+    return 1 if findings else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

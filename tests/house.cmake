@@ -1,0 +1,17 @@
+# The rules of the house as tests (label "house"): check_x.py judges the tree, test_check_x.py sees
+# that it can fail. They look at sources and objects, so one build type is enough for them.
+find_package(Python3 REQUIRED COMPONENTS Interpreter)
+
+function(house_check script)
+    set(python ${Python3_EXECUTABLE} -B)
+    add_test(NAME ${script} COMMAND ${python} ${CMAKE_CURRENT_SOURCE_DIR}/${script}.py ${ARGN})
+    add_test(NAME test_${script} COMMAND ${python} ${CMAKE_CURRENT_SOURCE_DIR}/test_${script}.py)
+    set_tests_properties(${script} test_${script} PROPERTIES LABELS house TIMEOUT 120)
+endfunction()
+
+house_check(check_layers
+    --objects ${PROJECT_BINARY_DIR}/CMakeFiles/mcanopen_objects.dir/src)
+house_check(check_budgets)
+if(EXISTS ${PROJECT_SOURCE_DIR}/src/api/mcanopen.map)
+    house_check(check_exports ${PROJECT_SOURCE_DIR}/src/api/mcanopen.map $<TARGET_FILE:mcanopen>)
+endif()

@@ -1,0 +1,301 @@
+#!/bin/sh
+# Builds and tests everything: sh tests/run.sh [--all] [LANE...]
+#
+#   (nothing)   debug build, unit and scenario tests, rules of the house, vcan
+#   --all       and formatting, lint, sanitizers, 32 bit, valgrind, fuzzing, release build
+#   LANE        only these lanes, by name (and "debug", which others need)
+#
+# Missing packages are installed with apt-get; MCANOPEN_INSTALL=no leaves the system alone.
+# CI=true makes warnings errors. Logs of all lanes: build/logs. The last line is the sum of all
+# tests, "N passed, N failed"; the exit code is 0 only when none failed.
+set -u
+
+cd "$(dirname "$0")/.." || exit 1
+build=$PWD/build
+logs=$build/logs
+jobs=$(nproc)
+fuzz_seconds=${MCANOPEN_FUZZ_SECONDS:-10}
+passed=0
+failed=0
+
+packages="gcc libc6-dev binutils cmake ninja-build pkg-config libxml2-dev check python3
+    python3-venv ca-certificates can-utils iproute2 user-mode-linux kmod"
+packages_all="g++ clang clang-format clang-tidy libclang-rt-14-dev valgrind gcc-multilib"
+
+export ASAN_OPTIONS=${ASAN_OPTIONS:-detect_stack_use_after_return=1:strict_string_checks=1}
+export UBSAN_OPTIONS=${UBSAN_OPTIONS:-print_stacktrace=1}
+export TSAN_OPTIONS=${TSAN_OPTIONS:-halt_on_error=1:second_deadlock_stack=1}
+
+# ---- lanes: one command each, its result on one line ---------------------------------------------
+
+# The last line "N passed, N failed" of a log; a command that prints none is one test.
+# Preparations that succeed print "0 passed, 0 failed".
+counts_of()
+{
+    sed -n 's/^\([0-9][0-9]*\) passed, \([0-9][0-9]*\) failed$/\1 \2/p' "$1" | tail -n 1
+}
+
+# lane NAME COMMAND...: runs it, shows the log when it fails
+lane()
+{
+    name=$1
+    shift
+    wanted "$name" || return 0
+    log=$logs/$name.log
+    start=$(date +%s)
+    ("$@") >"$log" 2>&1 </dev/null
+    status=$?
+    seconds=$(($(date +%s) - start))
+    counts=$(counts_of "$log")
+    if [ -z "$counts" ]; then
+        counts=$([ $status -eq 0 ] && echo 1 0 || echo 0 1)
+    fi
+    good=${counts% *}
+    bad=${counts#* }
+    if [ $status -ne 0 ] && [ "$bad" -eq 0 ]; then
+        bad=1
+    fi
+    passed=$((passed + good))
+    failed=$((failed + bad))
+    [ "$bad" -eq 0 ] || sed 's/^/    /' "$log"
+    verdict=$([ "$bad" -eq 0 ] && echo ok || echo FAIL)
+    printf '%-5s %-9s %5d passed %3d failed %5d s\n' "$verdict" "$name" "$good" "$bad" "$seconds"
+    [ "$bad" -eq 0 ]
+}
+
+wanted()
+{
+    [ -z "$only" ] && return 0
+    case " $only " in
+    *" $1 "*) return 0 ;;
+    esac
+    return 1
+}
+
+cannot_run()
+{
+    echo "this lane cannot run: $*"
+    return 1
+}
+
+# Sanitizers of this age lose their shadow memory to far-reaching address randomisation.
+steady()
+{
+    if setarch "$(uname -m)" -R true 2>/dev/null; then
+        setarch "$(uname -m)" -R "$@"
+    else
+        "$@"
+    fi
+}
+
+# ---- what the lanes do ---------------------------------------------------------------------------
+
+as_root()
+{
+    if [ "$(id -u)" -eq 0 ]; then
+        "$@"
+    elif command -v sudo >/dev/null; then
+        sudo -n "$@"
+    else
+        cannot_run "$* needs root and there is no sudo"
+    fi
+}
+
+missing_packages()
+{
+    for package in "$@"; do
+        case $(dpkg-query -W -f '${Status}' "$package" 2>/dev/null) in
+        *" installed") ;;
+        *) echo "$package" ;;
+        esac
+    done
+}
+
+install_packages()
+{
+    DEBIAN_FRONTEND=noninteractive
+    export DEBIAN_FRONTEND
+    as_root apt-get update -q || echo "apt-get update failed; trying with the old lists"
+    as_root apt-get install -y -q --no-install-recommends "$@" && echo "0 passed, 0 failed"
+}
+
+prepare_packages()
+{
+    # shellcheck disable=SC2046 # a list of words
+    set -- $(missing_packages "$@")
+    [ $# -eq 0 ] && return 0
+    if [ "${MCANOPEN_INSTALL:-yes}" = no ] || ! command -v apt-get >/dev/null; then
+        echo "not installed, as far as dpkg knows: $*"
+        return 0
+    fi
+    echo "installing: $*"
+    lane packages install_packages "$@"
+}
+
+# The Python packages of tests/requirements.txt, in a place of their own.
+prepare_venv()
+{
+    venv=$build/venv
+    python3 -m venv --clear "$venv" &&
+        "$venv/bin/pip" install -q --disable-pip-version-check -r tests/requirements.txt &&
+        cp tests/requirements.txt "$venv/installed" && echo "0 passed, 0 failed"
+}
+
+build_preset()
+{
+    cmake --preset "$1" "-DMCANOPEN_WERROR=$werror" && cmake --build "$build/$1" -j "$jobs" &&
+        echo "0 passed, 0 failed"
+}
+
+# test_preset PRESET CTEST_OPTION...: build and ctest; the last line has the number of test cases
+test_preset()
+{
+    preset=$1
+    shift
+    build_preset "$preset" || return 1
+    steady ctest --test-dir "$build/$preset" -j "$jobs" --output-on-failure --no-tests=error "$@"
+    status=$?
+    count_cases "$build/$preset/Testing/Temporary/LastTest.log"
+    return $status
+}
+
+# Check's summaries of the log of ctest; a program without one is one test.
+count_cases()
+{
+    awk '
+        function close_test() {
+            if (open && cases == 0) { ok ? good++ : bad++ }
+            else if (open && !ok && errors == 0) bad++
+            open = cases = errors = 0
+        }
+        /^[0-9]+\/[0-9]+ Testing: / { close_test(); open = 1; ok = 0 }
+        /^[0-9]+%: Checks: [0-9]+, Failures: [0-9]+, Errors: [0-9]+$/ {
+            split($0, n, /[^0-9]+/)
+            good += n[2] - n[3] - n[4]; bad += n[3] + n[4]
+            cases += n[2]; errors += n[3] + n[4]
+        }
+        /^Test Passed\.$/ { ok = 1 }
+        END { close_test(); printf "%d passed, %d failed\n", good, bad }
+    ' "$1"
+}
+
+run_vcan()
+{
+    [ -e tests/vcan/run.sh ] || cannot_run "there is no tests/vcan/run.sh" || return 1
+    sh tests/vcan/run.sh "$build/debug"
+}
+
+run_fuzz()
+{
+    [ -e tests/fuzz/run.sh ] || cannot_run "there is no tests/fuzz/run.sh" || return 1
+    steady sh tests/fuzz/run.sh "$fuzz_seconds"
+}
+
+run_m32()
+{
+    sh tests/m32_libs.sh "$build/m32-libs" || cannot_run "no 32-bit libraries" || return 1
+    test_preset m32 -LE house
+}
+
+own_sources()
+{
+    find include src tools tests examples -name '*.[ch]' -not -path '*/data/*' | sort
+}
+
+run_format()
+{
+    own_sources | xargs clang-format --dry-run -Werror
+}
+
+run_tidy()
+{
+    find src -name '*.c' | sort | xargs -n 1 -P "$jobs" \
+        clang-tidy --quiet -p "$build/debug" --warnings-as-errors='*'
+}
+
+# Each line of tests/valgrind.list is a command in build/debug, its program a pattern of the shell.
+run_valgrind()
+{
+    good=0
+    bad=0
+    while read -r pattern arguments; do
+        case $pattern in '' | '#'*) continue ;; esac
+        for program in "$build/debug"/$pattern; do
+            # shellcheck disable=SC2086 # a list of words
+            if valgrind_one "$program" $arguments; then
+                good=$((good + 1))
+            else
+                echo "failed: $program $arguments"
+                bad=$((bad + 1))
+            fi
+        done
+    done <tests/valgrind.list
+    echo "$good passed, $bad failed"
+    [ "$bad" -eq 0 ]
+}
+
+valgrind_one()
+{
+    CK_FORK=no valgrind -q --error-exitcode=99 --leak-check=full \
+        --errors-for-leak-kinds=definite,possible "$@"
+}
+
+# ---- which lanes ---------------------------------------------------------------------------------
+
+run_ordinary()
+{
+    cmp -s tests/requirements.txt "$build/venv/installed" || lane venv prepare_venv
+    lane debug build_preset debug || return 1
+    lane unit test_preset debug
+    lane vcan run_vcan
+    return 0
+}
+
+run_more()
+{
+    lane format run_format
+    lane tidy run_tidy
+    lane asan test_preset asan -LE house
+    lane tsan test_preset tsan -LE house
+    lane m32 run_m32
+    lane valgrind run_valgrind
+    lane fuzz run_fuzz
+    lane release build_preset release
+}
+
+run_lanes()
+{
+    if [ $all = yes ]; then
+        # shellcheck disable=SC2086 # a list of words
+        prepare_packages $packages $packages_all && run_ordinary && run_more
+    else
+        # shellcheck disable=SC2086
+        prepare_packages $packages && run_ordinary
+    fi
+}
+
+usage()
+{
+    sed -n '2,/^set/s/^# \{0,1\}//p' "$0"
+}
+
+all=no
+only=
+for argument in "$@"; do
+    case $argument in
+    --all) all=yes ;;
+    -*) usage && exit 2 ;;
+    *) only="packages venv debug $only $argument" && all=yes ;;
+    esac
+done
+case ${CI:-} in
+'' | false | no | 0) werror=OFF ;;
+*) werror=ON ;;
+esac
+
+begin=$(date +%s)
+mkdir -p "$logs"
+run_lanes
+echo "all lanes: $(($(date +%s) - begin)) s, logs in build/logs"
+echo "$passed passed, $failed failed"
+[ "$failed" -eq 0 ] && [ "$passed" -gt 0 ]

@@ -1,6 +1,7 @@
+#include "slave/slave_internal.h"
+
 #include "base/bytes.h"
 #include "proto/event.h"
-#include "slave/slave_internal.h"
 
 #include <stdlib.h>
 #include <string.h>

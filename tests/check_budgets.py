@@ -8,11 +8,12 @@ lizard is a package of PyPI. tests/run.sh puts it into build/venv; by hand:
 MCANOPEN_VENV names another place. Without lizard this test fails.
 """
 import argparse
-import ast
 import os
 import statistics
 import sys
 from pathlib import Path
+
+import nesting
 
 FOLDERS = ("src", "tools", "tests", "examples")
 SUFFIXES = (".c", ".h", ".py", ".sh")
@@ -43,32 +44,22 @@ def source_files(root, folder):
                   if p.suffix in SUFFIXES and p.is_file() and "data" not in p.parts)
 
 
-PYTHON_BLOCKS = (ast.If, ast.For, ast.While, ast.With, ast.Try)
-
-
-def python_nesting(node, depth=0):
-    """How deep blocks lie in each other; an elif is no deeper than its if."""
-    deepest = depth
-    for child in ast.iter_child_nodes(node):
-        is_elif = isinstance(node, ast.If) and isinstance(child, ast.If) and child in node.orelse
-        is_block = isinstance(child, PYTHON_BLOCKS) and not is_elif
-        deepest = max(deepest, python_nesting(child, depth + is_block))
-    return deepest
-
-
-def correct_python_nesting(path, functions):
-    """lizard adds the blocks of all functions of a Python file up."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    depths = {node.lineno: python_nesting(node) for node in ast.walk(tree)
-              if isinstance(node, ast.FunctionDef)}
-    for function in functions:
-        function.max_nested_structures = depths[function.start_line]
+def nesting_of(path, text):
+    """A function that tells the nesting of a function that lizard has found in this text."""
+    if path.suffix == ".py":
+        depths = nesting.python_nesting(text)
+        return lambda function: depths[function.start_line]
+    lines = text.splitlines()
+    return lambda function: nesting.c_nesting(
+        "\n".join(lines[function.start_line - 1:function.end_line]))
 
 
 def functions_of(lizard, path):
-    functions = lizard.FileAnalyzer(lizard.get_extensions(["ns"]))(str(path)).function_list
-    if path.suffix == ".py":
-        correct_python_nesting(path, functions)
+    """The functions of a file, each with its nesting."""
+    functions = lizard.analyze_file(str(path)).function_list
+    depth_of = nesting_of(path, path.read_text(encoding="utf-8"))
+    for function in functions:
+        function.nesting = depth_of(function)
     return functions
 
 
@@ -79,8 +70,8 @@ def function_findings(path, function):
         yield f"{place}: {function.length} lines, budget {MAX_LINES}"
     if function.cyclomatic_complexity > MAX_COMPLEXITY:
         yield f"{place}: complexity {function.cyclomatic_complexity}, budget {MAX_COMPLEXITY}"
-    if function.max_nested_structures > MAX_NESTING:
-        yield f"{place}: nesting {function.max_nested_structures}, budget {MAX_NESTING}"
+    if function.nesting > MAX_NESTING:
+        yield f"{place}: nesting {function.nesting}, budget {MAX_NESTING}"
     if parameters > MAX_PARAMETERS and not function.name.startswith(API_PREFIXES):
         yield f"{place}: {parameters} parameters, budget {MAX_PARAMETERS}"
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from unittest import mock
 
 import check_budgets
+import nesting
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -57,6 +58,18 @@ CASES = [
     ("", many([8] * 19 + [55])),
     ("95th percentile of 41 lines, budget 40", many([8] * 18 + [41] * 2)),
 ]
+C_NESTING = [
+    (0, "a();"),
+    (0, "int b[] = { 1, { 2 } }; struct x y = (struct x){ 0 }; { a(); }"),
+    (1, "if (a)\n b(); /* if (a) if (b) */ c = \"if (a) if (b) {\";"),
+    (1, "if (a)\n b();\nelse if (c)\n d();\nelse if (e)\n f();\nelse\n g();"),
+    (2, "if (a)\n b();\nelse\n for (;;)\n c();"),
+    (2, "switch (a) {\ncase 1: return;\ncase 'x':\ncase A:\n if (b)\n c();\n break;\ndefault: d();\n}"),
+    (3, "for (;;) { while (b) do { c(); } while (d); }"),
+    (2, "FOR_EACH(a, b)\n if (c)\n d();"),
+    (2, "FOR_EACH(a, b) {\n if (c)\n d();\n}"),
+    (1, "again:\n if (a) { b = c ? d : e; goto again; }"),
+]
 
 
 def run(root):
@@ -90,6 +103,11 @@ class CheckBudgets(unittest.TestCase):
         for text, expected in ((nested_python(4) * 3, 0), (nested_python(5), 1), (elifs, 0)):
             code, output = self.check("tests", text, "module.py")
             self.assertEqual(code, expected, output)
+
+    def test_nesting_of_c(self):
+        for expected, body in C_NESTING:
+            with self.subTest(body=body):
+                self.assertEqual(nesting.c_nesting("int f(int a)\n{\n" + body + "\n}\n"), expected)
 
     def test_each_folder(self):
         for folder in check_budgets.FOLDERS:

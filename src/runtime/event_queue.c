@@ -1,18 +1,27 @@
 #include "runtime/event_queue.h"
 
+#include <stdlib.h>
 #include <string.h>
 
-enum co_err event_queue_init(struct event_queue *self)
+enum co_err event_queue_init(struct event_queue *self, size_t element_size, unsigned capacity)
 {
     enum co_err err;
 
     memset(self, 0, sizeof *self);
+    self->element_size = element_size;
+    self->capacity = capacity;
+    self->elements = calloc(capacity, element_size);
+    if (!self->elements)
+        return CO_ERR_MEMORY;
     err = lock_init(&self->lock);
     if (err != CO_OK)
-        return err;
+        goto free_elements;
     err = condition_init(&self->changed);
-    if (err != CO_OK)
-        lock_done(&self->lock);
+    if (err == CO_OK)
+        return CO_OK;
+    lock_done(&self->lock);
+free_elements:
+    free(self->elements);
     return err;
 }
 
@@ -20,24 +29,27 @@ void event_queue_done(struct event_queue *self)
 {
     condition_done(&self->changed);
     lock_done(&self->lock);
+    free(self->elements);
 }
 
-void event_queue_put(struct event_queue *self, struct network *network,
-                     const struct co_event *event)
+static unsigned char *element_at(struct event_queue *self, unsigned position)
+{
+    return self->elements + position % self->capacity * self->element_size;
+}
+
+void event_queue_put(struct event_queue *self, const void *element)
 {
     lock_take(&self->lock);
-    if (self->count == EVENT_QUEUE_SIZE) {
-        self->lost++;
+    if (self->closed || self->count == self->capacity) {
+        self->lost += !self->closed;
     } else {
-        self->events[(self->first + self->count++) % EVENT_QUEUE_SIZE] =
-            (struct queued_event){ network, *event };
+        memcpy(element_at(self, self->first + self->count++), element, self->element_size);
         condition_signal(&self->changed);
     }
     lock_give(&self->lock);
 }
 
-enum co_err event_queue_take(struct event_queue *self, co_us_t deadline,
-                             struct queued_event *ret_event)
+enum co_err event_queue_take(struct event_queue *self, co_us_t deadline, void *ret_element)
 {
     enum co_err err = CO_OK;
 
@@ -45,8 +57,8 @@ enum co_err event_queue_take(struct event_queue *self, co_us_t deadline,
     while (self->count == 0 && !self->closed && err != CO_ERR_TIMEOUT)
         err = condition_wait(&self->changed, &self->lock, deadline);
     if (self->count > 0) {
-        *ret_event = self->events[self->first];
-        self->first = (self->first + 1) % EVENT_QUEUE_SIZE;
+        memcpy(ret_element, element_at(self, self->first), self->element_size);
+        self->first = (self->first + 1) % self->capacity;
         self->count--;
         err = CO_OK;
     } else {
@@ -72,5 +84,15 @@ void event_queue_close(struct event_queue *self)
     lock_take(&self->lock);
     self->closed = true;
     condition_signal(&self->changed);
+    lock_give(&self->lock);
+}
+
+void event_queue_open(struct event_queue *self)
+{
+    lock_take(&self->lock);
+    self->first = 0;
+    self->count = 0;
+    self->lost = 0;
+    self->closed = false;
     lock_give(&self->lock);
 }

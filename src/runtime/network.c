@@ -308,15 +308,20 @@ free_self:
     return err;
 }
 
-void network_close(struct network *self)
+void network_shut(struct network *self)
 {
-    if (!self)
-        return;
     lock_take(&self->lock);
     self->closing = true;
     condition_signal(&self->changed);
     lock_give(&self->lock);
     bus_wake(self->bus);
+}
+
+void network_close(struct network *self)
+{
+    if (!self)
+        return;
+    network_shut(self);
     thread_join(&self->thread);
     bus_close(self->bus);
     condition_done(&self->changed);

@@ -41,7 +41,12 @@ struct network_options {
 /* Opens the bus; message gets a line on failure. Errors of bus_open(), CO_ERR_MEMORY. */
 enum co_err network_open(const struct network_options *options, struct network **ret_network,
                          char *message, size_t message_size);
-/* Stops the thread and closes the bus; devices stay their owner's. NULL is fine. */
+/* Ends what waits in network_wait(), now and from now on. */
+void network_shut(struct network *self);
+/*
+ * Stops the thread and closes the bus; devices stay their owner's. Nobody may be between enter and
+ * leave any more. NULL is fine.
+ */
 void network_close(struct network *self);
 
 /* Before network_start(). CO_ERR_EXISTS: the node-ID is in use; CO_ERR_MEMORY. */

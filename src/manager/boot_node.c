@@ -31,6 +31,8 @@ static void enter(struct boot_node *self, enum boot_step step, struct co_outbox 
     self->step = (uint8_t)step;
     self->deadline = CO_NEVER;
     self->tries = 0;
+    if (step == BOOT_DEVICE_TYPE && self->told.letter == 'B')
+        return; /* an absent node is asked each second: not news */
     put_event(self, (struct co_event){ .type = MANAGER_NODE_STEP,
                                        .detail = (uint8_t)step,
                                        .actual = step == BOOT_CONFIGURE ? self->reader.left : 0 },

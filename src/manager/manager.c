@@ -2,6 +2,7 @@
 
 #include "manager/boot_network.h"
 #include "manager/manager_od.h"
+#include "proto/event.h"
 
 #include <string.h>
 

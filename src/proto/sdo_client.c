@@ -53,7 +53,7 @@ static struct co_frame initiate_frame(const struct sdo_client *self)
         return object_frame(self, 0x40);
     if (transfer->size >= 1 && transfer->size <= 4) {
         frame = object_frame(self, 0x23 | (4 - transfer->size) << 2);
-        memcpy(frame.data + 4, transfer->buffer, transfer->size);
+        memcpy(frame.data + 4, transfer->source, transfer->size);
         return frame;
     }
     frame = object_frame(self, transfer->indicate_size ? 0x21 : 0x20);
@@ -73,7 +73,7 @@ static struct co_frame segment_frame(const struct sdo_client *self)
     last = self->position + self->last_size == self->transfer.size;
     frame = new_frame(self, toggle | (7u - self->last_size) << 1 | last);
     if (self->last_size > 0)
-        memcpy(frame.data + 1, self->transfer.buffer + self->position, self->last_size);
+        memcpy(frame.data + 1, self->transfer.source + self->position, self->last_size);
     return frame;
 }
 

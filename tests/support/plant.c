@@ -1,0 +1,160 @@
+#include "support/plant.h"
+
+#include "base/bytes.h"
+#include "manager/boot_text.h"
+
+#include <check.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void on_event(void *context, const struct co_event *event)
+{
+    struct plant *self = context;
+    char text[BOOT_TEXT_SIZE];
+    enum co_severity severity;
+    int length;
+
+    if (!boot_text_event(self->config, event, &severity, text, sizeof text))
+        return;
+    length = snprintf(self->events + self->events_size, PLANT_TEXT_SIZE - self->events_size,
+                      "%u %s: %s\n", (unsigned)(self->sim.now / 1000u - 1000u),
+                      co_severity_text(severity), text);
+    if (length > 0 && (size_t)length < PLANT_TEXT_SIZE - self->events_size)
+        self->events_size += (size_t)length;
+}
+
+static bool on_frame(void *context, const struct co_frame *frame, uint8_t sender)
+{
+    struct plant *self = context;
+
+    return self->fault && self->fault(self, frame, sender);
+}
+
+struct plant *plant_new(const char *xml, unsigned bitrate)
+{
+    struct plant *self = calloc(1, sizeof *self);
+    struct co_report report = { .file = "plant.xml" };
+    char *text = NULL;
+    size_t size = 0;
+    FILE *stream = open_memstream(&text, &size);
+
+    ck_assert_ptr_nonnull(self);
+    fprintf(stream,
+            "<?xml version=\"1.0\"?>\n<CANopen_Manager><Manager_Instance><Net_No>0</Net_No>"
+            "<Baudrate>1000</Baudrate>%s</Manager_Instance></CANopen_Manager>",
+            xml);
+    fclose(stream);
+    ck_assert_msg(network_config_parse(text, size, &report, &self->config,
+                                       &self->config_count) == CO_OK,
+                  "%s", report.first_error);
+    free(text);
+    sim_init(&self->sim, bitrate);
+    self->sim.context = self;
+    self->sim.on_event = on_event;
+    self->sim.fault = on_frame;
+    self->manager = malloc(sizeof *self->manager);
+    ck_assert_ptr_nonnull(self->manager);
+    return self;
+}
+
+void plant_free(struct plant *self)
+{
+    for (unsigned node = 1; node <= NETWORK_NODE_MAX; node++) {
+        if (!self->devices[node])
+            continue;
+        slave_done(&self->devices[node]->slave);
+        od_done(&self->devices[node]->od);
+        free(self->devices[node]);
+    }
+    if (self->manager_device)
+        manager_done(self->manager);
+    free(self->manager);
+    network_config_free(self->config, self->config_count);
+    sim_done(&self->sim);
+    free(self);
+}
+
+static void add_number(struct od *od, uint16_t index, uint8_t sub, uint8_t size,
+                       enum od_access access, uint32_t value)
+{
+    uint8_t type = size == 1 ? OD_UNSIGNED8 : size == 2 ? OD_UNSIGNED16 : OD_UNSIGNED32;
+
+    ck_assert_int_eq(od_add_number(od, index, sub, type, access, value), CO_OK);
+}
+
+struct plant_device *plant_add_device(struct plant *self, uint8_t node)
+{
+    struct plant_device *device = calloc(1, sizeof *device);
+
+    ck_assert_ptr_nonnull(device);
+    od_init(&device->od);
+    add_number(&device->od, 0x1000, 0, 4, OD_RO, 0x00020192);
+    add_number(&device->od, 0x1001, 0, 1, OD_RO, 0);
+    add_number(&device->od, 0x1017, 0, 2, OD_RW, 0);
+    add_number(&device->od, 0x1018, 0, 1, OD_RO, 4);
+    add_number(&device->od, 0x1018, 1, 4, OD_RO, 0x29A);
+    add_number(&device->od, 0x1018, 2, 4, OD_RO, 1);
+    add_number(&device->od, 0x1018, 3, 4, OD_RO, 0x10001);
+    add_number(&device->od, 0x1018, 4, 4, OD_RO, node);
+    self->devices[node] = device;
+    ck_assert_int_eq(slave_init(&device->slave, node, &device->od), CO_OK);
+    device->sim = sim_add_slave(&self->sim, &device->slave);
+    return device;
+}
+
+void plant_add_object(struct plant_device *device, uint16_t index, uint8_t sub, uint8_t size,
+                      uint32_t value)
+{
+    add_number(&device->od, index, sub, size, OD_RW, value);
+}
+
+void plant_configure(struct plant *self, uint8_t node, uint16_t index, uint8_t sub, uint8_t size,
+                     uint32_t value)
+{
+    uint8_t bytes[4];
+
+    put_le(bytes, size, value);
+    for (size_t i = 0; i < self->config->node_count; i++)
+        if (self->config->nodes[i].node_id == node)
+            ck_assert_int_eq(
+                ccf_append(&self->config->nodes[i].ccf, index, sub, bytes, size), CO_OK);
+}
+
+void plant_power_on(struct plant *self)
+{
+    for (unsigned node = 1; node <= NETWORK_NODE_MAX; node++)
+        if (self->devices[node])
+            sim_power(&self->sim, self->devices[node]->sim, true);
+    sim_run(&self->sim, self->sim.now + CO_MS(100));
+    self->sim.trace_count = 0;
+    self->sim.busy = 0;
+    self->sim.now = CO_MS(1000);
+    ck_assert_int_eq(manager_init(self->manager, self->config), CO_OK);
+    self->manager_device = sim_add_manager(&self->sim, self->manager);
+    sim_power(&self->sim, self->manager_device, true);
+}
+
+void plant_run_ms(struct plant *self, unsigned ms)
+{
+    sim_run(&self->sim, self->sim.now + CO_MS(ms));
+}
+
+struct boot_node *plant_node(struct plant *self, uint8_t node)
+{
+    return &self->manager->nodes[node];
+}
+
+unsigned plant_said_times(const struct plant *self, const char *text)
+{
+    unsigned times = 0;
+
+    for (const char *at = strstr(self->events, text); at; at = strstr(at + 1, text))
+        times++;
+    return times;
+}
+
+bool plant_said(const struct plant *self, const char *text)
+{
+    return plant_said_times(self, text) > 0;
+}

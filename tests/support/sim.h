@@ -1,0 +1,68 @@
+/*
+ * A whole network in virtual time: a manager and local devices on one simulated CAN wire.
+ *
+ *   in   devices, the bit rate, faults
+ *   out  the trace of the wire; the manager's events
+ *
+ * The wire takes the worst-case time of each frame (CiA 301 frame with stuffing) and arbitrates by
+ * CAN-ID. Nothing here depends on the machine's speed; the same run gives the same trace.
+ */
+#ifndef TEST_SUPPORT_SIM_H
+#define TEST_SUPPORT_SIM_H
+
+#include "manager/manager.h"
+#include "slave/slave.h"
+
+#define SIM_DEVICES 128u
+#define SIM_BOX     512u
+
+struct sim_device {
+    bool active; /* powered; others neither send nor receive */
+    struct slave *slave;
+    struct manager *manager;
+    uint8_t node;
+    struct co_outbox box;
+    struct co_frame frames[SIM_BOX];
+    struct co_event events[SIM_BOX];
+};
+
+struct sim_line {
+    co_us_t time; /* end of the frame on the wire */
+    uint8_t sender;
+    struct co_frame frame;
+};
+
+struct sim {
+    co_us_t now;
+    unsigned bitrate; /* bit/s; 0: frames take no time */
+    struct sim_device devices[SIM_DEVICES];
+    unsigned device_count;
+    int sending; /* device whose frame is on the wire, -1: idle */
+    struct co_frame on_wire;
+    co_us_t wire_free; /* end of the frame on the wire */
+    co_us_t busy;      /* time the wire was busy */
+    struct sim_line *trace;
+    size_t trace_count, trace_room;
+    /* Returns true for a frame that is lost on the wire (seen by nobody, its sender included). */
+    bool (*fault)(void *context, const struct co_frame *frame, uint8_t sender);
+    void (*on_event)(void *context, const struct co_event *event); /* of the manager */
+    void *context;
+};
+
+void sim_init(struct sim *self, unsigned bitrate);
+void sim_done(struct sim *self);
+/* Devices are the caller's; they are started by sim_power(). */
+struct sim_device *sim_add_slave(struct sim *self, struct slave *slave);
+struct sim_device *sim_add_manager(struct sim *self, struct manager *manager);
+void sim_power(struct sim *self, struct sim_device *device, bool on);
+void sim_run(struct sim *self, co_us_t until);
+/* Puts a frame on the wire as from a foreign device. */
+void sim_inject(struct sim *self, const char *frame);
+/* The device's outbox to act on it between runs; what is put is sent in the next sim_run(). */
+struct co_outbox *sim_box(struct sim *self, struct sim_device *device);
+/* The trace as candump text "(seconds) sim ID#DATA", to be freed. */
+char *sim_trace_text(const struct sim *self);
+/* Frames in the trace with this CAN-ID. */
+size_t sim_count(const struct sim *self, uint32_t id);
+
+#endif

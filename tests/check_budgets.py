@@ -19,7 +19,7 @@ FOLDERS = ("src", "tools", "tests", "examples")
 SUFFIXES = (".c", ".h", ".py", ".sh")
 MAX_LINES, MEDIAN_LINES, P95_LINES = 60, 12, 40
 MAX_COMPLEXITY, MAX_NESTING, MAX_PARAMETERS = 12, 4, 6
-MAX_FILE_LINES = 600
+MAX_FILE_LINES, MAX_COLUMNS = 600, 100
 API_PREFIXES = ("mcanOpen", "canOpen")  # signatures that the manual fixes
 PERCENTILE_FROM = 20  # so few functions have no meaningful median
 
@@ -77,9 +77,12 @@ def function_findings(path, function):
 
 
 def file_findings(path, shown):
-    lines = len(path.read_text(encoding="utf-8").splitlines())
-    if lines > MAX_FILE_LINES:
-        yield f"{shown}:{MAX_FILE_LINES + 1}: {lines} lines, budget {MAX_FILE_LINES}"
+    lines = path.read_text(encoding="utf-8").splitlines()
+    if len(lines) > MAX_FILE_LINES:
+        yield f"{shown}:{MAX_FILE_LINES + 1}: {len(lines)} lines, budget {MAX_FILE_LINES}"
+    for number, line in enumerate(lines, 1):
+        if len(line) > MAX_COLUMNS:
+            yield f"{shown}:{number}: {len(line)} columns, budget {MAX_COLUMNS}"
 
 
 def percentile(sorted_values, percent):
@@ -92,7 +95,8 @@ def spread_findings(name, lengths):
     if len(lengths) < PERCENTILE_FROM:
         return
     median, p95 = statistics.median(lengths), percentile(lengths, 95)
-    print(f"{name}: {len(lengths)} functions, median {median:g}, p95 {p95}, max {lengths[-1]} lines")
+    print(f"{name}: {len(lengths)} functions, lines: median {median:g}, p95 {p95},"
+          f" max {lengths[-1]}")
     if median > MEDIAN_LINES:
         yield f"{name}: median of {median:g} lines, budget {MEDIAN_LINES}"
     if p95 > P95_LINES:
@@ -118,8 +122,8 @@ def main(arguments=None):
     root = parser.parse_args(arguments).root
     lizard = load_lizard(root)
     if lizard is None:
-        print("check_budgets: lizard is missing. Run sh tests/run.sh, or: python3 -m venv build/venv"
-              " && build/venv/bin/pip install -r tests/requirements.txt")
+        print("check_budgets: lizard is missing. Run sh tests/run.sh, or:"
+              " python3 -m venv build/venv && build/venv/bin/pip install -r tests/requirements.txt")
         return 2
     findings = [f for folder in FOLDERS for f in check_folder(lizard, root, folder)]
     for finding in findings:

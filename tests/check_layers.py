@@ -221,6 +221,8 @@ SYMBOL = re.compile(r"^[0-9a-f]+ (?P<flags>.{7}) (?P<section>\S+)\s+[0-9a-f]+\s+
                     r"(?:\.hidden )?(?P<name>\S+)$")
 FORTIFIED = re.compile(r"^(?:__(?:isoc99_)?)?(.*?)(?:_chk)?$")
 
+NOT_OURS = (".", "*", "__gcov", "__asan", "__odr_asan")  # of the compiler
+
 
 def symbols_of(path):
     text = subprocess.run(["objdump", "-t", "-w", str(path)], check=True, capture_output=True,
@@ -230,7 +232,7 @@ def symbols_of(path):
 
 def is_variable(flags, section, name):
     """Data that can change at run time; constant tables with pointers lie in .data.rel.ro."""
-    if "d" in flags or "F" in flags or name.startswith((".", "*", "__gcov", "__asan", "__odr_asan")):
+    if "d" in flags or "F" in flags or name.startswith(NOT_OURS):
         return False
     return section.startswith((".data", ".bss", ".tbss", ".tdata", "*COM*")) and \
         not section.startswith(".data.rel.ro")

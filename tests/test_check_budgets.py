@@ -23,7 +23,8 @@ def branches(count):
 
 
 def nested(count):
-    return "int f(int a)\n{\n" + "while (a) {\n" * count + "a--;" + "}\n" * count + "return a;\n}\n"
+    loops = "while (a) {\n" * count + "a--;" + "}\n" * count
+    return "int f(int a)\n{\n" + loops + "return a;\n}\n"
 
 
 def nested_python(count):
@@ -53,6 +54,8 @@ CASES = [
     ("", parameters("canOpenCreateNode", 9)),
     ("", "int x;\n" * 600),
     ("601 lines, budget 600", "int x;\n" * 601),
+    ("", "/* " + "x" * 94 + " */\n"),
+    ("101 columns, budget 100", "/* " + "x" * 95 + " */\n"),
     ("", many([12] * 20)),
     ("median of 13 lines, budget 12", many([13] * 20)),
     ("", many([8] * 19 + [55])),
@@ -64,7 +67,8 @@ C_NESTING = [
     (1, "if (a)\n b(); /* if (a) if (b) */ c = \"if (a) if (b) {\";"),
     (1, "if (a)\n b();\nelse if (c)\n d();\nelse if (e)\n f();\nelse\n g();"),
     (2, "if (a)\n b();\nelse\n for (;;)\n c();"),
-    (2, "switch (a) {\ncase 1: return;\ncase 'x':\ncase A:\n if (b)\n c();\n break;\ndefault: d();\n}"),
+    (2, "switch (a) {\ncase 1: return;\ncase 'x':\ncase A:\n if (b)\n c();\n break;\n"
+        "default: d();\n}"),
     (3, "for (;;) { while (b) do { c(); } while (d); }"),
     (2, "FOR_EACH(a, b)\n if (c)\n d();"),
     (2, "FOR_EACH(a, b) {\n if (c)\n d();\n}"),

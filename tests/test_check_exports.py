@@ -10,7 +10,8 @@ from pathlib import Path
 
 import check_exports
 
-MAP = "/* API */\nMCAN_0.1 {\n  global: one; # first\n    two;\n  local: *;\n};\nMCAN_2 { three; } MCAN_0.1;\n"
+MAP = ("/* API */\nMCAN_0.1 {\n  global: one; # first\n    two;\n  local: *;\n};\n"
+       "MCAN_2 { three; } MCAN_0.1;\n")
 
 
 def build(folder, source):

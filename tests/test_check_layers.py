@@ -16,6 +16,10 @@ def header(name, body=""):
     return HEADER.format(name=name, body=body)
 
 
+def body(statement):
+    return f"void *f(void)\n{{\n    {statement}\n}}\n"
+
+
 GOOD = {
     "include/mcanopen.h": header("PUBLIC", "#include <stdint.h>\n#ifdef __cplusplus\n#endif"),
     "src/base/time.h": header("BASE_TIME", "#include <stdint.h>"),
@@ -67,12 +71,12 @@ BROKEN = [
     ("os", "src/proto/sync.h", header("SYNC", "#include <errno.h>")),
     ("os", "src/slave/slave.h", header("SLAVE", "#include <sys/types.h>")),
     ("os", "src/manager/xml.h", header("XML", "#include <linux/can.h>")),
-    ("os", "src/dcf/read.c", '#include "dcf/dcf.h"\nvoid *f(void)\n{\n    return fopen("a", "r");\n}\n'),
-    ("os", "src/proto/sync.c", '#include "proto/sync.h"\nlong f(void)\n{\n    return time(0);\n}\n'),
-    ("os", "src/proto/sync.c", '#include "proto/sync.h"\nvoid f(void)\n{\n    printf("x");\n}\n'),
-    ("os", "src/base/text.c", '#include "base/time.h"\nvoid *f(void)\n{\n    return stderr;\n}\n'),
-    ("heap", "src/proto/sync.c", '#include "proto/sync.h"\nvoid f(void)\n{\n    free(0);\n}\n'),
-    ("heap", "src/proto/sync.c", '#include "proto/sync.h"\nvoid *f(void)\n{\n    return malloc(1);\n}\n'),
+    ("os", "src/dcf/read.c", '#include "dcf/dcf.h"\n' + body('return fopen("a", "r");')),
+    ("os", "src/proto/sync.c", '#include "proto/sync.h"\n' + body("return time(0);")),
+    ("os", "src/proto/sync.c", '#include "proto/sync.h"\n' + body('printf("x");')),
+    ("os", "src/base/text.c", '#include "base/time.h"\n' + body("return stderr;")),
+    ("heap", "src/proto/sync.c", '#include "proto/sync.h"\n' + body("free(0);")),
+    ("heap", "src/proto/sync.c", '#include "proto/sync.h"\n' + body("return malloc(1);")),
     ("libxml", "src/dcf/dcf.h", header("DCF", "#include <libxml/parser.h>")),
     ("first", "src/od/od.c", '#include <stdlib.h>\n#include "od/od.h"\n'),
     ("first", "src/base/text.c", '#include <stdio.h>\n#include "base/time.h"\n'),
@@ -99,7 +103,8 @@ BROKEN_OBJECTS = [
      "void JOIN(fr, ee)(void *p);\nvoid f(void *p)\n{\n    JOIN(fr, ee)(p);\n}\n"),
     ("object", "src/slave/slave.c", None),
 ]
-CONSTANTS = '#include "od/od.h"\nconst char *const od_names[] = { "a", "b" };\nconst int od_x = 3;\n'
+CONSTANTS = ('#include "od/od.h"\nconst char *const od_names[] = { "a", "b" };\n'
+             "const int od_x = 3;\n")
 
 
 class Tree:

@@ -76,6 +76,7 @@ static void reset(struct slave *self, bool application, co_us_t now, struct co_o
     hb_producer_start(&self->heartbeat, 0, false, now);
     slave_reset_objects(self, application);
     slave_reset_errors(self);
+    slave_reset_guarding(self);
     self->boot_up_due = true;
     finish_boot_up(self, now, out);
 }
@@ -127,7 +128,8 @@ enum co_err slave_init(struct slave *self, uint8_t node, struct od *od)
 
     if (node < 1 || node > NMT_NODE_MAX)
         return CO_ERR_ARG;
-    *self = (struct slave){ .node = node, .od = od, .consumer_deadline = CO_NEVER };
+    *self = (struct slave){ .node = node, .od = od, .consumer_deadline = CO_NEVER,
+                            .guard = { .deadline = CO_NEVER } };
     err = add_missing_objects(od);
     if (err != CO_OK)
         return err;
@@ -181,6 +183,8 @@ static void take_over(struct slave *self, uint16_t index, uint8_t sub, co_us_t n
         slave_configure_consumer(self, sub);
         slave_watch_consumers(self, now, out);
     } else if (index == 0x1017) {
+        if (heartbeat_period(self) > 0)
+            slave_end_guarding(self, now, out);
         hb_producer_start(&self->heartbeat, heartbeat_period(self), true, now);
         hb_producer_on_time(&self->heartbeat, now, out);
     }
@@ -268,6 +272,15 @@ static void serve(struct slave *self, const struct co_frame *request, co_us_t no
         step_server(self, request, now, out);
 }
 
+static void on_error_control(struct slave *self, const struct co_frame *frame, co_us_t now,
+                             struct co_outbox *out)
+{
+    if ((frame->flags & CO_FRAME_RTR) == 0)
+        slave_consume_heartbeat(self, frame, now, out);
+    else if (frame->id == NMT_ERROR_CONTROL_ID + self->node)
+        slave_answer_guarding(self, now, out);
+}
+
 void slave_on_frame(struct slave *self, const struct co_frame *frame, co_us_t now,
                     struct co_outbox *out)
 {
@@ -281,7 +294,7 @@ void slave_on_frame(struct slave *self, const struct co_frame *frame, co_us_t no
     } else if (frame->id == self->server.request_id) {
         serve(self, frame, now, out);
     } else if ((frame->id & 0x780u) == NMT_ERROR_CONTROL_ID && is_on(self)) {
-        slave_consume_heartbeat(self, frame, now, out);
+        on_error_control(self, frame, now, out);
     }
 }
 
@@ -291,6 +304,7 @@ void slave_on_time(struct slave *self, co_us_t now, struct co_outbox *out)
     tell_state(self, out);
     hb_producer_on_time(&self->heartbeat, now, out);
     slave_watch_consumers(self, now, out);
+    slave_watch_guarding(self, now, out);
     emcy_producer_on_time(&self->emcy, now, out);
     if (sdo_server_deadline(&self->server) <= now && co_outbox_room(out, 2, 2))
         step_server(self, NULL, now, out);
@@ -304,5 +318,6 @@ co_us_t slave_deadline(const struct slave *self)
     if (self->boot_up_due || self->consumers_due || self->state != self->told_state)
         return 0;
     deadline = co_earlier(deadline, sdo_server_deadline(&self->server));
+    deadline = co_earlier(deadline, self->guard.deadline);
     return co_earlier(deadline, self->consumer_deadline);
 }

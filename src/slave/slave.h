@@ -3,7 +3,7 @@
  * (CiA 301, 7.3), on an object dictionary that its owner has filled.
  *
  *   in   frames of the bus (all of them, those of other local devices too), the time
- *   out  boot-up, heartbeat, SDO answers, emergencies; the events below
+ *   out  boot-up, heartbeat, guarding and SDO answers, emergencies; the events below
  *
  *            slave_start()             start                 stop
  *   (off) ---> INITIALISING --> PRE-OPERATIONAL <--> OPERATIONAL <--> STOPPED
@@ -38,6 +38,13 @@ enum slave_event {
 struct slave_consumer; /* one entry of 1016h */
 struct slave_factory;  /* the values that 1011h "load" brings back */
 
+/* The master's node guarding of this device. */
+struct slave_guard {
+    bool toggle;      /* bit of the next answer */
+    bool lost;        /* the master is silent */
+    co_us_t deadline; /* of the next request; CO_NEVER: no life guarding */
+};
+
 struct slave {
     uint8_t node;
     uint8_t state;      /* enum nmt_state */
@@ -49,7 +56,8 @@ struct slave {
     struct hb_producer heartbeat;
     struct emcy_producer emcy;
     uint8_t raised; /* bits of 1001h by slave_raise_error() */
-    unsigned lost;  /* watched nodes that are silent */
+    unsigned lost;  /* watched nodes, and the guarding master, that are silent */
+    struct slave_guard guard;
     struct slave_consumer *consumers; /* the sub-indices 1.. of 1016h */
     unsigned consumer_count;
     bool consumers_due; /* a change found no room in the outbox */

@@ -171,18 +171,31 @@ static void put_consumer_event(enum proto_event type, const struct hb_consumer *
     co_outbox_put_event(out, &event);
 }
 
-static void report_lost(struct slave *self, struct slave_consumer *consumer, co_us_t now,
-                        struct co_outbox *out)
+void slave_error_control_lost(struct slave *self, co_us_t now, struct co_outbox *out)
 {
     const struct emcy_message error = { .code = EMCY_ERROR_CONTROL,
                                         .field = { NMT_ERROR_CONTROL_BIT } };
 
-    consumer->told_lost = true;
-    consumer->told_state = NMT_INITIALISING;
     self->lost++;
-    put_consumer_event(PROTO_HB_LOST, &consumer->watch, out);
     announce(self, &error, now, out);
     apply_error_behaviour(self, out);
+}
+
+void slave_error_control_back(struct slave *self, co_us_t now, struct co_outbox *out)
+{
+    const struct emcy_message none = { .code = 0 };
+
+    self->lost--;
+    announce(self, &none, now, out);
+}
+
+static void report_lost(struct slave *self, struct slave_consumer *consumer, co_us_t now,
+                        struct co_outbox *out)
+{
+    consumer->told_lost = true;
+    consumer->told_state = NMT_INITIALISING;
+    put_consumer_event(PROTO_HB_LOST, &consumer->watch, out);
+    slave_error_control_lost(self, now, out);
 }
 
 /* A boot-up alone does not count, the next heartbeat does. */
@@ -194,16 +207,13 @@ static bool is_back(const struct slave_consumer *consumer)
 static void report_present(struct slave *self, struct slave_consumer *consumer, co_us_t now,
                            struct co_outbox *out)
 {
-    const struct emcy_message none = { .code = 0 };
-
     if (consumer->told_state != consumer->watch.state) {
         consumer->told_state = consumer->watch.state;
         put_consumer_event(PROTO_HB_STATE, &consumer->watch, out);
     }
     if (consumer->told_lost && is_back(consumer)) {
         consumer->told_lost = false;
-        self->lost--;
-        announce(self, &none, now, out);
+        slave_error_control_back(self, now, out);
     }
 }
 

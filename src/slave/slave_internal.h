@@ -44,8 +44,18 @@ void slave_configure_consumer(struct slave *self, uint8_t sub);
 void slave_consume_heartbeat(struct slave *self, const struct co_frame *frame, co_us_t now,
                              struct co_outbox *out);
 void slave_watch_consumers(struct slave *self, co_us_t now, struct co_outbox *out);
+/* The master or a watched node is silent: emergency, and what 1029h says. Room: 1 frame, 2 events. */
+void slave_error_control_lost(struct slave *self, co_us_t now, struct co_outbox *out);
+void slave_error_control_back(struct slave *self, co_us_t now, struct co_outbox *out);
 /* Errors that 1003h does not have are no data, which the dictionary cannot say. */
 bool slave_history_lacks(const struct slave *self, const struct co_frame *request);
+
+/* slave_guarding.c: 100Ch, 100Dh. The life time runs from the first request on. */
+void slave_reset_guarding(struct slave *self);
+void slave_answer_guarding(struct slave *self, co_us_t now, struct co_outbox *out);
+void slave_watch_guarding(struct slave *self, co_us_t now, struct co_outbox *out);
+/* A heartbeat of its own takes the place of guarding. Room: 1 event. */
+void slave_end_guarding(struct slave *self, co_us_t now, struct co_outbox *out);
 
 /* slave.c */
 void slave_enter_state(struct slave *self, enum nmt_state state, struct co_outbox *out);

@@ -88,6 +88,7 @@ void device_fill(struct device *self, unsigned frames, unsigned events)
 
 void device_run(struct device *self, co_us_t until)
 {
+    device_drain(self);
     for (unsigned calls = 0; slave_deadline(&self->slave) <= until; calls++) {
         const co_us_t deadline = slave_deadline(&self->slave);
 

@@ -1,64 +1,11 @@
-#include "manager/network_config.h"
+#include "support/config_text.h"
 
 #include <check.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-/* What stands in the element begins at line 5 of the file, in the node at line 7. */
-#define NET(inner)                                                                        \
-    "<CANopen_Manager>\n<Manager_Instance>\n<Net_No>0</Net_No>\n<Baudrate>500</Baudrate>\n" inner \
-    "</Manager_Instance>\n</CANopen_Manager>\n"
-#define NODE(inner) NET("<Node_Instance>\n<Node_Id>5</Node_Id>\n" inner "</Node_Instance>\n")
-#define ONE         "<Node_Instance><Node_Id>5</Node_Id></Node_Instance>\n"
-
-struct result {
-    enum co_err err;
-    struct co_report report;
-    struct network_config *networks;
-    size_t count;
-    char messages[20000]; /* one in a line, without the file's name */
-};
-
-static void collect(void *context, enum co_severity severity, const char *text)
-{
-    struct result *result = context;
-    size_t used = strlen(result->messages);
-
-    (void)severity;
-    ck_assert_int_eq(strncmp(text, "n.xml:", 6), 0);
-    snprintf(result->messages + used, sizeof result->messages - used, "%s\n", text + 6);
-}
-
-static struct result *parse_bytes(const char *text, size_t size)
-{
-    static struct result result;
-
-    memset(&result, 0, sizeof result);
-    result.report = (struct co_report){ .file = "n.xml", .sink = collect, .context = &result };
-    result.err =
-        network_config_parse(text, size, &result.report, &result.networks, &result.count);
-    return &result;
-}
-
-static struct result *parse(const char *text)
-{
-    return parse_bytes(text, strlen(text));
-}
-
-static struct network_config *parse_one(const char *text)
-{
-    struct result *result = parse(text);
-
-    ck_assert_str_eq(result->messages, "");
-    ck_assert_int_eq(result->err, CO_OK);
-    ck_assert_uint_eq(result->count, 1);
-    return result->networks;
-}
 
 START_TEST(test_network_defaults)
 {
-    struct network_config *config = parse_one(NET(ONE));
+    struct network_config *config = config_parse_one(NET(ONE));
 
     ck_assert_uint_eq(config->line, 2);
     ck_assert_uint_eq(config->net, 0);
@@ -91,7 +38,7 @@ END_TEST
 
 START_TEST(test_node_defaults)
 {
-    struct network_config *config = parse_one(NODE(""));
+    struct network_config *config = config_parse_one(NODE(""));
     const struct node_config *node = &config->nodes[0];
 
     ck_assert_uint_eq(node->line, 5);
@@ -120,7 +67,7 @@ END_TEST
 
 START_TEST(test_node_defaults_of_the_boot)
 {
-    struct network_config *config = parse_one(NODE(""));
+    struct network_config *config = config_parse_one(NODE(""));
     const struct node_config *node = &config->nodes[0];
 
     ck_assert(!node->old_config_style);
@@ -143,7 +90,8 @@ static const char all_of_network[] =
     "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<CANopen_Manager><Manager_Instance>\n"
     "<Net_No>255</Net_No><Baudrate> 0x3E8 </Baudrate><Manager_Node_Id>1</Manager_Node_Id>"
     "<Name>press line</Name><Interface>virtual:demo</Interface>"
-    "<Config_File_Repository>\n  ./dcf &amp; <!-- so --><![CDATA[<more>]]>\n</Config_File_Repository>"
+    "<Config_File_Repository>\n  ./dcf &amp; <!-- so --><![CDATA[<more>]]>\n"
+    "</Config_File_Repository>"
     "<Heartbeat_Producer_Time>1500</Heartbeat_Producer_Time><Boot_Time>20000</Boot_Time>"
     "<NMT_Master>FALSE</NMT_Master><NMT_Start_All>TRUE</NMT_Start_All>"
     "<NMT_Auto_Operational>FALSE</NMT_Auto_Operational><NMT_Auto_Start>FALSE</NMT_Auto_Start>"
@@ -157,7 +105,7 @@ static const char all_of_network[] =
 
 START_TEST(test_network_values)
 {
-    struct network_config *config = parse_one(all_of_network);
+    struct network_config *config = config_parse_one(all_of_network);
 
     ck_assert_uint_eq(config->net, 255);
     ck_assert_uint_eq(config->baudrate, 1000);
@@ -183,7 +131,7 @@ END_TEST
 
 START_TEST(test_priorities)
 {
-    struct network_config *config = parse_one(all_of_network);
+    struct network_config *config = config_parse_one(all_of_network);
 
     ck_assert(config->has_manager_priorities);
     ck_assert_int_eq(config->manager_priorities[0], -10);
@@ -201,7 +149,7 @@ END_TEST
 
 START_TEST(test_node_values)
 {
-    struct network_config *config = parse_one(NODE(
+    struct network_config *config = config_parse_one(NODE(
         "<Name>pump</Name><NMT_Slave>FALSE</NMT_Slave>"
         "<NMT_Auto_Start_Slave>FALSE</NMT_Auto_Start_Slave>"
         "<NMT_Mandatory_Slave>TRUE</NMT_Mandatory_Slave><Guard_Time>500</Guard_Time>"
@@ -235,7 +183,7 @@ END_TEST
 
 START_TEST(test_more_node_values)
 {
-    struct network_config *config = parse_one(
+    struct network_config *config = config_parse_one(
         NODE("<Life_Time_Factor>3</Life_Time_Factor>\n<CCF_File>a.ccf</CCF_File>"
              "<SDO_Timeout>1000</SDO_Timeout>"
              "<SDO_Segmented_Size_Indication>FALSE</SDO_Segmented_Size_Indication>"
@@ -258,7 +206,7 @@ END_TEST
 
 START_TEST(test_several_networks)
 {
-    struct result *result = parse(
+    struct config_result *result = config_parse(
         "<CANopen_Manager>\n"
         "<Manager_Instance><Net_No>1</Net_No><Baudrate>125</Baudrate>\n"
         "<Node_Instance><Node_Id>2</Node_Id></Node_Instance>\n"
@@ -322,11 +270,11 @@ static const char *element_file(const struct bounds *row, const char *value)
 
 static void check_out_of_range(const struct bounds *row, const char *value)
 {
-    struct result *result = parse(element_file(row, value));
+    struct config_result *result = config_parse(element_file(row, value));
     char expected[200];
 
-    snprintf(expected, sizeof expected, "7: error: %s: %s is out of range %s\n", row->element, value,
-             row->range);
+    snprintf(expected, sizeof expected, "7: error: %s: %s is out of range %s\n", row->element,
+             value, row->range);
     ck_assert_str_eq(result->messages, expected);
     ck_assert_int_eq(result->err, CO_ERR_VALUE);
     ck_assert_int_eq(result->report.error_kind, row->kind ? row->kind : CO_ERR_VALUE);
@@ -337,14 +285,14 @@ START_TEST(test_bounds)
     const struct bounds *row = &bounds[_i];
     char expected[200];
 
-    network_config_free(parse_one(element_file(row, row->low)), 1);
-    network_config_free(parse_one(element_file(row, row->high)), 1);
+    network_config_free(config_parse_one(element_file(row, row->low)), 1);
+    network_config_free(config_parse_one(element_file(row, row->high)), 1);
     check_out_of_range(row, row->below);
     check_out_of_range(row, row->above);
     snprintf(expected, sizeof expected, "7: error: %s: '12a' is not a number\n", row->element);
-    ck_assert_str_eq(parse(element_file(row, "12a"))->messages, expected);
+    ck_assert_str_eq(config_parse(element_file(row, "12a"))->messages, expected);
     snprintf(expected, sizeof expected, "7: error: %s: the element is empty\n", row->element);
-    ck_assert_str_eq(parse(element_file(row, " \t "))->messages, expected);
+    ck_assert_str_eq(config_parse(element_file(row, " \t "))->messages, expected);
 }
 END_TEST
 
@@ -357,7 +305,7 @@ START_TEST(test_not_numbers)
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         snprintf(expected, sizeof expected, "7: error: Guard_Time: '%s' is not a number\n",
                  texts[i]);
-        ck_assert_str_eq(parse(element_file(&row, texts[i]))->messages, expected);
+        ck_assert_str_eq(config_parse(element_file(&row, texts[i]))->messages, expected);
     }
 }
 END_TEST
@@ -387,17 +335,17 @@ static const struct bounds bools[] = {
 START_TEST(test_bools)
 {
     const struct bounds *row = &bools[_i];
-    struct result *result;
+    struct config_result *result;
     char expected[200];
 
-    network_config_free(parse_one(element_file(row, "FALSE")), 1);
-    result = parse(element_file(row, "False"));
+    network_config_free(config_parse_one(element_file(row, "FALSE")), 1);
+    result = config_parse(element_file(row, "False"));
     snprintf(expected, sizeof expected, "7: warning: %s: 'False' is taken as FALSE\n",
              row->element);
     ck_assert_str_eq(result->messages, expected);
     ck_assert_int_eq(result->err, CO_OK);
     network_config_free(result->networks, result->count);
-    result = parse(element_file(row, "YES"));
+    result = config_parse(element_file(row, "YES"));
     snprintf(expected, sizeof expected, "7: error: %s: 'YES' is neither TRUE nor FALSE\n",
              row->element);
     ck_assert_str_eq(result->messages, expected);
@@ -411,14 +359,14 @@ START_TEST(test_net_numbers)
                                "<Baudrate>500</Baudrate>" ONE
                                "</Manager_Instance></CANopen_Manager>";
     char text[sizeof file + 10];
-    struct result *result;
+    struct config_result *result;
 
     snprintf(text, sizeof text, file, "256");
-    result = parse(text);
+    result = config_parse(text);
     ck_assert_str_eq(result->messages, "3: error: Net_No: 256 is out of range 0..255\n");
     ck_assert_int_eq(result->report.error_kind, CO_ERR_VALUE);
     snprintf(text, sizeof text, file, "255");
-    network_config_free(parse_one(text), 1);
+    network_config_free(config_parse_one(text), 1);
 }
 END_TEST
 
@@ -429,24 +377,24 @@ START_TEST(test_bit_rates)
                                "<Baudrate>%u</Baudrate>" ONE
                                "</Manager_Instance></CANopen_Manager>";
     char text[sizeof file + 10];
-    struct result *result;
+    struct config_result *result;
 
     for (size_t i = 0; i < sizeof rates / sizeof *rates; i++) {
         struct network_config *config;
 
         snprintf(text, sizeof text, file, rates[i]);
-        config = parse_one(text);
+        config = config_parse_one(text);
         ck_assert_uint_eq(config->baudrate, rates[i]);
         network_config_free(config, 1);
     }
     snprintf(text, sizeof text, file, 100u);
-    result = parse(text);
+    result = config_parse(text);
     ck_assert_str_eq(result->messages, "4: warning: Baudrate: 100 is no bit rate of CANopen; "
                                        "some devices have it all the same\n");
     ck_assert_uint_eq(result->networks[0].baudrate, 100);
     network_config_free(result->networks, result->count);
     snprintf(text, sizeof text, file, 300u);
-    result = parse(text);
+    result = config_parse(text);
     ck_assert_str_eq(result->messages, "4: error: Baudrate: 300 is no bit rate of CANopen "
                                        "(10, 20, 50, 125, 250, 500, 800, 1000)\n");
     ck_assert_int_eq(result->report.error_kind, CO_ERR_BITRATE);

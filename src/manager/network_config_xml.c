@@ -136,16 +136,22 @@ const char *network_xml_name(const xmlNode *node)
     return (const char *)node->name;
 }
 
+static const char blanks[] = " \t\r\n";
+
 unsigned network_xml_line(const xmlNode *node)
 {
     long line = xmlGetLineNo(node);
+    const char *text = (const char *)node->content;
 
+    /* Where a text ends: go back to where it begins. */
+    if (node->type == XML_TEXT_NODE && text)
+        for (text += strspn(text, blanks); *text != '\0'; text++)
+            line -= *text == '\n';
     return line > 0 ? (unsigned)line : 0;
 }
 
 char *network_xml_text(const xmlNode *node, struct faults *faults)
 {
-    static const char blanks[] = " \t\r\n";
     char *text = (char *)xmlNodeGetContent(node);
     size_t first, size;
 

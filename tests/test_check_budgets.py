@@ -33,7 +33,8 @@ def nested_python(count):
 
 
 def parameters(name, count):
-    return f"int {name}(" + ", ".join(f"int a{i}" for i in range(count)) + ")\n{\n    return 0;\n}\n"
+    text = ", ".join(f"int a{i}" for i in range(count))
+    return f"int {name}({text})\n{{\n    return 0;\n}}\n"
 
 
 def many(lengths):

@@ -38,6 +38,7 @@ static void teardown(void)
     device_done(&device);
 }
 
+/* clang-format off */
 static const struct device_talk talks[] = {
     { "boot-up once, then silent",
       { { 0, SENDS, "705#00" }, { 0, TELLS, "state 0" }, { 0, TELLS, "state 127" },
@@ -122,6 +123,7 @@ static const struct device_talk talks[] = {
         { 1, HEARS, "7FF#010203040506" }, { 1, HEARS, "706#05" },
         { 1, HEARS, "7E5#0400000000000000" }, { 2000, QUIET, "-" } } },
 };
+/* clang-format on */
 
 START_TEST(conversation)
 {

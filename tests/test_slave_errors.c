@@ -9,20 +9,13 @@
 #include <string.h>
 
 static const struct device_entry entries[] = {
-    { 0x1003, 0, OD_UNSIGNED8, OD_RW, 0, false },
-    { 0x1003, 1, OD_UNSIGNED32, OD_RO, 0, false },
-    { 0x1003, 2, OD_UNSIGNED32, OD_RO, 0, false },
-    { 0x100C, 0, OD_UNSIGNED16, OD_RW, 0, false },
-    { 0x100D, 0, OD_UNSIGNED8, OD_RW, 0, false },
-    { 0x1014, 0, OD_UNSIGNED32, OD_RW, 0x85, false },
-    { 0x1015, 0, OD_UNSIGNED16, OD_RW, 0, false },
-    { 0x1016, 0, OD_UNSIGNED8, OD_CONST, 2, false },
-    { 0x1016, 1, OD_UNSIGNED32, OD_RW, 0, false },
-    { 0x1016, 2, OD_UNSIGNED32, OD_RW, 0, false },
-    { 0x1017, 0, OD_UNSIGNED16, OD_RW, 0, false },
-    { 0x1029, 0, OD_UNSIGNED8, OD_CONST, 1, false },
-    { 0x1029, 1, OD_UNSIGNED8, OD_RW, 0, false },
-    { 0 },
+    { 0x1003, 0, OD_UNSIGNED8, OD_RW, 0, false },  { 0x1003, 1, OD_UNSIGNED32, OD_RO, 0, false },
+    { 0x1003, 2, OD_UNSIGNED32, OD_RO, 0, false }, { 0x100C, 0, OD_UNSIGNED16, OD_RW, 0, false },
+    { 0x100D, 0, OD_UNSIGNED8, OD_RW, 0, false },  { 0x1014, 0, OD_UNSIGNED32, OD_RW, 0x85, false },
+    { 0x1015, 0, OD_UNSIGNED16, OD_RW, 0, false }, { 0x1016, 0, OD_UNSIGNED8, OD_CONST, 2, false },
+    { 0x1016, 1, OD_UNSIGNED32, OD_RW, 0, false }, { 0x1016, 2, OD_UNSIGNED32, OD_RW, 0, false },
+    { 0x1017, 0, OD_UNSIGNED16, OD_RW, 0, false }, { 0x1029, 0, OD_UNSIGNED8, OD_CONST, 1, false },
+    { 0x1029, 1, OD_UNSIGNED8, OD_RW, 0, false },  { 0 },
 };
 
 static struct device device;
@@ -40,12 +33,21 @@ static void teardown(void)
 }
 
 /* Node 7 is watched, 100 ms. */
-#define WATCH_7   { 0, HEARS, "605#2316100164000700" }, { 0, SENDS, "585#6016100100000000" }
-#define WATCH_8   { 0, HEARS, "605#2316100264000800" }, { 0, SENDS, "585#6016100200000000" }
-#define ERROR     "085#3081110100000000"
+#define WATCH_7                                                                                    \
+    { 0, HEARS, "605#2316100164000700" },                                                          \
+    {                                                                                              \
+        0, SENDS, "585#6016100100000000"                                                           \
+    }
+#define WATCH_8                                                                                    \
+    { 0, HEARS, "605#2316100264000800" },                                                          \
+    {                                                                                              \
+        0, SENDS, "585#6016100200000000"                                                           \
+    }
+#define ERROR      "085#3081110100000000"
 #define ERROR_LESS "085#0000110000000000"
-#define NO_ERROR  "085#0000000000000000"
+#define NO_ERROR   "085#0000000000000000"
 
+/* clang-format off */
 static const struct device_talk talks[] = {
     { "watched in time, and from the first heartbeat on",
       { WATCH_7, { 0, TELLS, "written 1016:01 = 458852" },
@@ -116,6 +118,7 @@ static const struct device_talk talks[] = {
         { 0, HEARS, "605#23141000C5000000" }, { 0, SENDS, "585#6014100000000000" }, WATCH_7,
         { 10, HEARS, "707#05" }, { 110, SENDS, "0C5#3081110100000000" } } },
 };
+/* clang-format on */
 
 START_TEST(conversation)
 {
@@ -124,9 +127,14 @@ START_TEST(conversation)
 END_TEST
 
 /* Guard time 100 ms, life time factor 2. */
-#define GUARD { 0, HEARS, "605#2B0C100064000000" }, { 0, SENDS, "585#600C100000000000" }, \
-              { 0, HEARS, "605#2F0D100002000000" }, { 0, SENDS, "585#600D100000000000" }
+#define GUARD                                                                                      \
+    { 0, HEARS, "605#2B0C100064000000" }, { 0, SENDS, "585#600C100000000000" },                    \
+        { 0, HEARS, "605#2F0D100002000000" },                                                      \
+    {                                                                                              \
+        0, SENDS, "585#600D100000000000"                                                           \
+    }
 
+/* clang-format off */
 static const struct device_talk guard_talks[] = {
     { "answers alternate, whatever the length asked for, also when stopped",
       { { 1, HEARS, "705#R1" }, { 1, SENDS, "705#7F" }, { 2, HEARS, "705#R0" },
@@ -161,6 +169,7 @@ static const struct device_talk guard_talks[] = {
         { 1300, HEARS, "605#2B171000E8030000" }, { 1300, SENDS, "585#6017100000000000" },
         { 1300, SENDS, NO_ERROR }, { 1300, SENDS, "705#7F" } } },
 };
+/* clang-format on */
 
 START_TEST(guarding)
 {
@@ -173,10 +182,14 @@ START_TEST(error_behaviour)
     static const struct {
         uint8_t behaviour, before, after;
     } cases[] = {
-        { 0, NMT_OPERATIONAL, NMT_PREOPERATIONAL }, { 0, NMT_PREOPERATIONAL, NMT_PREOPERATIONAL },
-        { 0, NMT_STOPPED, NMT_STOPPED },            { 1, NMT_OPERATIONAL, NMT_OPERATIONAL },
-        { 2, NMT_OPERATIONAL, NMT_STOPPED },        { 2, NMT_PREOPERATIONAL, NMT_STOPPED },
-        { 2, NMT_STOPPED, NMT_STOPPED },            { 128, NMT_OPERATIONAL, NMT_OPERATIONAL },
+        { 0, NMT_OPERATIONAL, NMT_PREOPERATIONAL },
+        { 0, NMT_PREOPERATIONAL, NMT_PREOPERATIONAL },
+        { 0, NMT_STOPPED, NMT_STOPPED },
+        { 1, NMT_OPERATIONAL, NMT_OPERATIONAL },
+        { 2, NMT_OPERATIONAL, NMT_STOPPED },
+        { 2, NMT_PREOPERATIONAL, NMT_STOPPED },
+        { 2, NMT_STOPPED, NMT_STOPPED },
+        { 128, NMT_OPERATIONAL, NMT_OPERATIONAL },
     };
 
     ck_assert_uint_eq(device_write(&device, 0x1029, 1, 1, cases[_i].behaviour), SDO_OK);
@@ -199,7 +212,8 @@ END_TEST
 
 static void raise_error(uint16_t code, uint8_t bits)
 {
-    const struct emcy_message error = { .code = code, .error_register = bits,
+    const struct emcy_message error = { .code = code,
+                                        .error_register = bits,
                                         .field = { 0xA1, 0xB2, 0xC3, 0xD4, 0xE5 } };
 
     ck_assert_int_eq(slave_raise_error(&device.slave, &error, device.now, &device.out), CO_OK);
@@ -272,13 +286,16 @@ END_TEST
 
 START_TEST(empty_history_ends_a_running_transfer)
 {
-    static const struct device_talk talk = {
-        "history during a transfer",
-        { { 0, HEARS, "605#2117100002000000" }, { 0, SENDS, "585#6017100000000000" },
-          { 1, HEARS, "605#4003100200000000" }, { 1, SENDS, "585#8003100224000008" },
-          { 2, HEARS, "605#0B11220000000000" }, { 2, SENDS, "585#8017100001000405" },
-          { 3, HEARS, "000#0205" }, { 3, HEARS, "605#4003100100000000" }, { 4, QUIET, "-" } }
-    };
+    static const struct device_talk talk = { "history during a transfer",
+                                             { { 0, HEARS, "605#2117100002000000" },
+                                               { 0, SENDS, "585#6017100000000000" },
+                                               { 1, HEARS, "605#4003100200000000" },
+                                               { 1, SENDS, "585#8003100224000008" },
+                                               { 2, HEARS, "605#0B11220000000000" },
+                                               { 2, SENDS, "585#8017100001000405" },
+                                               { 3, HEARS, "000#0205" },
+                                               { 3, HEARS, "605#4003100100000000" },
+                                               { 4, QUIET, "-" } } };
 
     device_talk(&device, &talk);
 }
@@ -297,7 +314,8 @@ START_TEST(devices_without_these_objects)
     device_run(&bare, CO_MS(10000));
     ck_assert_str_eq(device_next_frame(&bare, NULL), "705#7F");
     ck_assert_int_eq(slave_raise_error(&bare.slave, &(struct emcy_message){ .code = 0x1000 },
-                                       bare.now, &bare.out), CO_OK);
+                                       bare.now, &bare.out),
+                     CO_OK);
     device_drain(&bare);
     ck_assert_str_eq(device_next_frame(&bare, NULL), "");
     ck_assert_uint_eq(device_value(&bare, 0x1001, 0), 1);

@@ -101,7 +101,7 @@ static enum co_err add_missing_objects(struct od *od)
     return CO_OK;
 }
 
-/* The signatures have a rule of their own; limits of real EDS files would give another abort code. */
+/* The signatures have a rule of their own; limits of real EDS files give another abort code. */
 static void drop_signature_limits(struct od *od)
 {
     for (size_t i = 0; i < od->count; i++)
@@ -128,8 +128,9 @@ enum co_err slave_init(struct slave *self, uint8_t node, struct od *od)
 
     if (node < 1 || node > NMT_NODE_MAX)
         return CO_ERR_ARG;
-    *self = (struct slave){ .node = node, .od = od, .consumer_deadline = CO_NEVER,
-                            .guard = { .deadline = CO_NEVER } };
+    *self = (struct slave){
+        .node = node, .od = od, .consumer_deadline = CO_NEVER, .guard = { .deadline = CO_NEVER }
+    };
     err = add_missing_objects(od);
     if (err != CO_OK)
         return err;
@@ -161,8 +162,7 @@ void slave_start(struct slave *self, co_us_t now, struct co_outbox *out)
     reset(self, true, now, out);
 }
 
-void slave_command(struct slave *self, enum nmt_command command, co_us_t now,
-                   struct co_outbox *out)
+void slave_command(struct slave *self, enum nmt_command command, co_us_t now, struct co_outbox *out)
 {
     const enum nmt_state next = nmt_next_state((enum nmt_state)self->state, command);
     const bool is_reset = command == NMT_RESET_NODE || command == NMT_RESET_COMMUNICATION;

@@ -88,13 +88,12 @@ void slave_on_time(struct slave *self, co_us_t now, struct co_outbox *out);
 co_us_t slave_deadline(const struct slave *self);
 
 /*
- * An error of the device: 1001h gets these bits (and the generic one), 1003h an entry, the network an
- * emergency. CO_ERR_AGAIN: the outbox has no room, nothing was done.
+ * An error of the device: 1001h gets these bits (and the generic one), 1003h an entry, the network
+ * an emergency. CO_ERR_AGAIN: the outbox has no room, nothing was done.
  */
 enum co_err slave_raise_error(struct slave *self, const struct emcy_message *error, co_us_t now,
                               struct co_outbox *out);
 /* The errors with these bits of 1001h have gone: emergency 0000h. CO_ERR_AGAIN as above. */
-enum co_err slave_clear_error(struct slave *self, uint8_t bits, co_us_t now,
-                              struct co_outbox *out);
+enum co_err slave_clear_error(struct slave *self, uint8_t bits, co_us_t now, struct co_outbox *out);
 
 #endif

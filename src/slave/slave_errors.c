@@ -9,8 +9,8 @@
 #define ERROR_GENERIC       0x01u /* bits of 1001h */
 #define ERROR_COMMUNICATION 0x10u
 
-#define EMCY_ERROR_CONTROL 0x8130u /* a watched node has fallen silent */
-#define NMT_ERROR_CONTROL_BIT 0x01u /* in the first byte of the manufacturer specific field */
+#define EMCY_ERROR_CONTROL    0x8130u /* a watched node has fallen silent */
+#define NMT_ERROR_CONTROL_BIT 0x01u   /* in the first byte of the manufacturer specific field */
 
 #define SDO_UPLOAD 0x40u
 
@@ -156,8 +156,7 @@ static void apply_error_behaviour(struct slave *self, struct co_outbox *out)
         if (self->state != NMT_STOPPED)
             slave_enter_state(self, NMT_STOPPED, out);
         break;
-    default:
-        break;
+    default: break;
     }
 }
 
@@ -242,8 +241,8 @@ static bool report(struct slave *self, struct slave_consumer *consumer, co_us_t 
 }
 
 /*
- * The consumers' own events go nowhere: what is to be told is the difference between what a consumer
- * knows and what was told, so that a full outbox loses nothing.
+ * The consumers' own events go nowhere: what is to be told is the difference between what a
+ * consumer knows and what was told, so that a full outbox loses nothing.
  */
 static void step_consumer(struct slave_consumer *consumer, const struct co_frame *frame,
                           co_us_t now)

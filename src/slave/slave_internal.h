@@ -44,7 +44,7 @@ void slave_configure_consumer(struct slave *self, uint8_t sub);
 void slave_consume_heartbeat(struct slave *self, const struct co_frame *frame, co_us_t now,
                              struct co_outbox *out);
 void slave_watch_consumers(struct slave *self, co_us_t now, struct co_outbox *out);
-/* The master or a watched node is silent: emergency, and what 1029h says. Room: 1 frame, 2 events. */
+/* The master or a watched node is silent: emergency, and what 1029h says. Room: 2 events. */
 void slave_error_control_lost(struct slave *self, co_us_t now, struct co_outbox *out);
 void slave_error_control_back(struct slave *self, co_us_t now, struct co_outbox *out);
 /* Errors that 1003h does not have are no data, which the dictionary cannot say. */

@@ -2,10 +2,10 @@
 
 #include <string.h>
 
-#define MAPPED_MAX      64u /* entries of a PDO, and bits */
-#define FIRST_TPDO      0x1A00u
-#define COMMUNICATION   0x200u /* so far before its mapping is a PDO's communication parameter */
-#define LAST_DUMMY      0x1Fu
+#define MAPPED_MAX    64u /* entries of a PDO, and bits */
+#define FIRST_TPDO    0x1A00u
+#define COMMUNICATION 0x200u /* so far before its mapping is a PDO's communication parameter */
+#define LAST_DUMMY    0x1Fu
 
 /* A mapping entry taken apart. */
 struct mapped {
@@ -42,13 +42,10 @@ static bool direction_fits(const struct od_entry *entry, bool transmit)
     switch ((enum od_access)entry->access) {
     case OD_RO:
     case OD_CONST:
-    case OD_RWR:
-        return transmit;
+    case OD_RWR: return transmit;
     case OD_WO:
-    case OD_RWW:
-        return !transmit;
-    case OD_RW:
-        break;
+    case OD_RWW: return !transmit;
+    case OD_RW: break;
     }
     return true;
 }

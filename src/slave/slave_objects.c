@@ -1,9 +1,9 @@
 #include "slave/slave_internal.h"
 
-#define CAN_ID_MASK   0x000007FFu /* of a COB-ID */
-#define CAN_ID_UPPER  0x1FFFF800u
-#define FRAME_29_BIT  0x20000000u
-#define FROZEN_BITS   0x3FFFFFFFu /* must not change while the communication object exists */
+#define CAN_ID_MASK  0x000007FFu /* of a COB-ID */
+#define CAN_ID_UPPER 0x1FFFF800u
+#define FRAME_29_BIT 0x20000000u
+#define FROZEN_BITS  0x3FFFFFFFu /* must not change while the communication object exists */
 
 #define SAVE 0x65766173u /* signatures of 1010h and 1011h */
 #define LOAD 0x64616F6Cu
@@ -23,9 +23,10 @@ static bool in_ranges(uint32_t value, const struct range *ranges, size_t count)
 /* Identifiers that belong to services which cannot be configured (CiA 301, 7.3.5). */
 static bool is_restricted(uint32_t can_id)
 {
-    static const struct range restricted[] = { { 0x000, 0x07F }, { 0x101, 0x180 },
-                                               { 0x581, 0x5FF }, { 0x601, 0x67F },
-                                               { 0x6E0, 0x6FF }, { 0x701, 0x7FF } };
+    static const struct range restricted[] = {
+        { 0x000, 0x07F }, { 0x101, 0x180 }, { 0x581, 0x5FF },
+        { 0x601, 0x67F }, { 0x6E0, 0x6FF }, { 0x701, 0x7FF }
+    };
 
     return in_ranges(can_id, restricted, sizeof restricted / sizeof restricted[0]);
 }
@@ -163,7 +164,8 @@ static bool channel_exists(const struct slave_write *write)
     const uint16_t index = write->entry->index;
 
     return ((od_number(write->od, index, 1, COB_ID_INVALID) |
-             od_number(write->od, index, 2, COB_ID_INVALID)) & COB_ID_INVALID) == 0;
+             od_number(write->od, index, 2, COB_ID_INVALID)) &
+            COB_ID_INVALID) == 0;
 }
 
 static sdo_abort_t check_sdo_channel(const struct slave_write *write)
@@ -209,16 +211,11 @@ static sdo_abort_t check_transmission_type(const struct slave_write *write)
 static sdo_abort_t check_tpdo(const struct slave_write *write)
 {
     switch (write->entry->sub) {
-    case 1:
-        return check_switched_cob_id(write);
-    case 2:
-        return check_transmission_type(write);
-    case 3:
-        return pdo_is_valid(write) ? SDO_INVALID_VALUE : SDO_OK;
-    case 6:
-        return pdo_is_valid(write) || write->number > 240 ? SDO_INVALID_VALUE : SDO_OK;
-    default:
-        return SDO_OK;
+    case 1: return check_switched_cob_id(write);
+    case 2: return check_transmission_type(write);
+    case 3: return pdo_is_valid(write) ? SDO_INVALID_VALUE : SDO_OK;
+    case 6: return pdo_is_valid(write) || write->number > 240 ? SDO_INVALID_VALUE : SDO_OK;
+    default: return SDO_OK;
     }
 }
 

@@ -3,8 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define STORE_PARAMETERS   0x1010u
-#define RESTORE_DEFAULTS   0x1011u
+#define STORE_PARAMETERS     0x1010u
+#define RESTORE_DEFAULTS     0x1011u
 #define VERIFY_CONFIGURATION 0x1020u
 
 enum group { GROUP_ALL = 1, GROUP_COMMUNICATION, GROUP_APPLICATION, GROUP_MANUFACTURER };
@@ -92,7 +92,7 @@ static void withdraw_load(struct slave *self, enum group group)
         self->load = 0;
     else if (self->load & 1u << GROUP_ALL)
         self->load = 1u << GROUP_COMMUNICATION | 1u << GROUP_APPLICATION | 1u << GROUP_MANUFACTURER;
-    self->load &= (uint8_t)~(1u << group);
+    self->load &= (uint8_t) ~(1u << group);
 }
 
 static void set_verification(struct slave *self, uint64_t date, uint64_t time)
@@ -101,7 +101,7 @@ static void set_verification(struct slave *self, uint64_t date, uint64_t time)
     od_set_number(self->od, VERIFY_CONFIGURATION, 2, time);
 }
 
-/* The communication objects were stored without the application's changes: not what 1020h tells. */
+/* Only a part was stored, or only a part loaded: not the configuration that 1020h tells. */
 static enum co_err store_unverified(struct slave *self)
 {
     const uint64_t date = od_number(self->od, VERIFY_CONFIGURATION, 1, 0);
@@ -120,7 +120,7 @@ static sdo_abort_t save(struct slave *self, enum group group)
 
     if (err == CO_OK)
         err = od_store(self->od, groups[group].first, groups[group].last);
-    if (err == CO_OK && group == GROUP_COMMUNICATION && self->application_changed)
+    if (err == CO_OK && group != GROUP_ALL && self->application_changed)
         err = store_unverified(self);
     if (err != CO_OK)
         return SDO_HARDWARE;
@@ -132,8 +132,8 @@ static sdo_abort_t save(struct slave *self, enum group group)
 
 bool slave_is_store_command(const struct slave_write *write)
 {
-    return write->entry->sub != 0 && (write->entry->index == STORE_PARAMETERS ||
-                                      write->entry->index == RESTORE_DEFAULTS);
+    return write->entry->sub != 0 &&
+           (write->entry->index == STORE_PARAMETERS || write->entry->index == RESTORE_DEFAULTS);
 }
 
 sdo_abort_t slave_execute_store(struct slave *self, const struct slave_write *write)
@@ -163,7 +163,7 @@ void slave_note_change(struct slave *self, const struct slave_write *write)
         self->application_changed = true;
 }
 
-/* The present values of a group become the DefaultValues, and these the power-on values. */
+/* A group's DefaultValues become the present values, and these the power-on values. */
 static void load(struct slave *self, enum group group)
 {
     const uint16_t first = groups[group].first, last = groups[group].last;
@@ -178,8 +178,11 @@ static void load(struct slave *self, enum group group)
             memcpy(value->entry->value, value->bytes, value->size);
         value->entry->size = value->size;
     }
-    if (self->factory != NULL)
-        od_store(self->od, first, last);
+    if (self->factory == NULL)
+        return;
+    od_store(self->od, first, last);
+    if (first > VERIFY_CONFIGURATION)
+        store_unverified(self);
 }
 
 static void load_what_waits(struct slave *self, bool application)

@@ -247,15 +247,9 @@ void device_talk(struct device *self, const struct device_talk *talk)
             device_hear(self, step->text);
             device_drain(self);
             break;
-        case SENDS:
-            expect_frame(self, talk->name, step);
-            break;
-        case TELLS:
-            expect_event(self, talk->name, step);
-            break;
-        case QUIET:
-            expect_quiet(self, talk->name, step->at);
-            break;
+        case SENDS: expect_frame(self, talk->name, step); break;
+        case TELLS: expect_event(self, talk->name, step); break;
+        case QUIET: expect_quiet(self, talk->name, step->at); break;
         }
     }
     expect_quiet(self, talk->name, self->now / 1000);

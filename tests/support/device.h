@@ -1,6 +1,6 @@
 /*
- * A simulated device for tests: a slave on a dictionary made from a table, in virtual time, with what
- * it sends and tells recorded. Conversations with it are tables that read like a candump log.
+ * A simulated device for tests: a slave on a dictionary made from a table, in virtual time, with
+ * what it sends and tells recorded. Conversations with it are tables that read like a candump log.
  */
 #ifndef TEST_SUPPORT_DEVICE_H
 #define TEST_SUPPORT_DEVICE_H

@@ -1,0 +1,346 @@
+/* 1010h, 1011h, 1020h of a local device: what survives a reset, and what tells that it did. */
+#include "slave/slave.h"
+
+#include "support/device.h"
+
+#include <check.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const struct device_entry entries[] = {
+    { 0x1005, 0, OD_UNSIGNED32, OD_RW, 0x80, false },
+    { 0x1006, 0, OD_UNSIGNED32, OD_RW, 0, false },
+    { 0x1010, 0, OD_UNSIGNED8, OD_CONST, 4, false },
+    { 0x1010, 1, OD_UNSIGNED32, OD_RW, 1, false },
+    { 0x1010, 2, OD_UNSIGNED32, OD_RW, 1, false },
+    { 0x1010, 3, OD_UNSIGNED32, OD_RW, 1, false },
+    { 0x1010, 4, OD_UNSIGNED32, OD_RW, 1, false },
+    { 0x1011, 0, OD_UNSIGNED8, OD_CONST, 4, false },
+    { 0x1011, 1, OD_UNSIGNED32, OD_RW, 1, false },
+    { 0x1011, 2, OD_UNSIGNED32, OD_RW, 1, false },
+    { 0x1011, 3, OD_UNSIGNED32, OD_RW, 1, false },
+    { 0x1011, 4, OD_UNSIGNED32, OD_RW, 1, false },
+    { 0x1003, 0, OD_UNSIGNED8, OD_RW, 0, false },
+    { 0x1003, 1, OD_UNSIGNED32, OD_RO, 0, false },
+    { 0x1017, 0, OD_UNSIGNED16, OD_RW, 0, false },
+    { 0x1020, 0, OD_UNSIGNED8, OD_CONST, 2, false },
+    { 0x1020, 1, OD_UNSIGNED32, OD_RW, 0, false },
+    { 0x1020, 2, OD_UNSIGNED32, OD_RW, 0, false },
+    { 0x2000, 0, OD_UNSIGNED16, OD_RW, 20, false },
+    { 0x2001, 0, OD_VISIBLE_STRING, OD_RW, 0, false },
+    { 0x6000, 0, OD_UNSIGNED16, OD_RW, 60, false },
+    { 0 },
+};
+
+static struct device device;
+
+#define SAVE                0x65766173u
+#define LOAD                0x64616F6Cu
+#define RESET_NODE          "000#8105"
+#define RESET_COMMUNICATION "000#8205"
+
+static void setup(void)
+{
+    device_init(&device, entries);
+    device_start(&device);
+}
+
+static void teardown(void)
+{
+    device_done(&device);
+}
+
+static void put(uint16_t index, uint8_t sub, uint8_t size, uint32_t value)
+{
+    ck_assert_uint_eq(device_write(&device, index, sub, size, value), SDO_OK);
+}
+
+static void change_all(void)
+{
+    put(0x1006, 0, 4, 1111);
+    put(0x2000, 0, 2, 2222);
+    put(0x6000, 0, 2, 6666);
+}
+
+static void reset(const char *command)
+{
+    device_hear(&device, command);
+    device_drain(&device);
+    device_forget(&device);
+}
+
+static void expect(const char *what, uint32_t communication, uint32_t manufacturer,
+                   uint32_t application)
+{
+    const uint32_t got[] = { device_value(&device, 0x1006, 0), device_value(&device, 0x2000, 0),
+                             device_value(&device, 0x6000, 0) };
+
+    ck_assert_msg(got[0] == communication && got[1] == manufacturer && got[2] == application,
+                  "%s: %u %u %u", what, got[0], got[1], got[2]);
+}
+
+static const struct {
+    uint8_t save; /* sub-index, 0: none */
+    uint8_t load;
+    const char *command;
+    uint32_t communication, manufacturer, application;
+} cases[] = {
+    { 0, 0, RESET_NODE, 0, 20, 60 },
+    { 0, 0, RESET_COMMUNICATION, 0, 2222, 6666 },
+    { 1, 0, RESET_NODE, 1111, 2222, 6666 },
+    { 1, 0, RESET_COMMUNICATION, 1111, 2222, 6666 },
+    { 2, 0, RESET_NODE, 1111, 20, 60 },
+    { 3, 0, RESET_NODE, 0, 20, 6666 },
+    { 4, 0, RESET_NODE, 0, 2222, 60 },
+    { 1, 1, RESET_NODE, 0, 20, 60 },
+    { 1, 1, RESET_COMMUNICATION, 1111, 2222, 6666 },
+    { 1, 2, RESET_NODE, 0, 2222, 6666 },
+    { 1, 2, RESET_COMMUNICATION, 0, 2222, 6666 },
+    { 1, 3, RESET_NODE, 1111, 2222, 60 },
+    { 1, 3, RESET_COMMUNICATION, 1111, 2222, 6666 },
+    { 1, 4, RESET_NODE, 1111, 20, 6666 },
+    { 0, 1, RESET_NODE, 0, 20, 60 },
+};
+
+START_TEST(save_and_load)
+{
+    change_all();
+    if (cases[_i].save != 0)
+        put(0x1010, cases[_i].save, 4, SAVE);
+    if (cases[_i].load != 0)
+        put(0x1011, cases[_i].load, 4, LOAD);
+    expect("before", 1111, 2222, 6666);
+    reset(cases[_i].command);
+    expect("after", cases[_i].communication, cases[_i].manufacturer, cases[_i].application);
+    ck_assert_uint_eq(device_value(&device, 0x1010, 1), 1);
+    ck_assert_uint_eq(device_value(&device, 0x1011, 1), 1);
+}
+END_TEST
+
+START_TEST(wrong_signatures_change_nothing)
+{
+    change_all();
+    ck_assert_uint_eq(device_write(&device, 0x1010, 1, 4, LOAD), SDO_NOT_STORED);
+    reset(RESET_NODE);
+    expect("not saved", 0, 20, 60);
+    change_all();
+    put(0x1010, 1, 4, SAVE);
+    ck_assert_uint_eq(device_write(&device, 0x1011, 1, 4, SAVE), SDO_NOT_STORED);
+    reset(RESET_NODE);
+    expect("not loaded", 1111, 2222, 6666);
+}
+END_TEST
+
+START_TEST(load_is_done_once)
+{
+    change_all();
+    put(0x1010, 1, 4, SAVE);
+    put(0x1011, 1, 4, LOAD);
+    reset(RESET_NODE);
+    change_all();
+    put(0x1010, 1, 4, SAVE);
+    reset(RESET_NODE);
+    expect("saved again", 1111, 2222, 6666);
+}
+END_TEST
+
+START_TEST(the_later_command_counts)
+{
+    change_all();
+    put(0x1011, 1, 4, LOAD);
+    put(0x1010, 1, 4, SAVE);
+    reset(RESET_NODE);
+    expect("load, save", 1111, 2222, 6666);
+    put(0x1011, 1, 4, LOAD);
+    put(0x1010, 3, 4, SAVE);
+    reset(RESET_NODE);
+    expect("load all, save a part", 0, 20, 6666);
+}
+END_TEST
+
+START_TEST(values_of_other_length)
+{
+    static const struct device_talk talk = { "a string",
+                                             { { 0, HEARS, "605#2301200041424344" },
+                                               { 0, SENDS, "585#6001200000000000" },
+                                               { 0, HEARS, "605#2310100173617665" },
+                                               { 0, SENDS, "585#6010100100000000" },
+                                               { 0, HEARS, "605#2B01200058590000" },
+                                               { 0, SENDS, "585#6001200000000000" },
+                                               { 0, HEARS, "000#8105" },
+                                               { 0, SENDS, "705#00" },
+                                               { 0, HEARS, "605#4001200000000000" },
+                                               { 0, SENDS, "585#4301200041424344" },
+                                               { 0, HEARS, "605#231110016C6F6164" },
+                                               { 0, SENDS, "585#6011100100000000" },
+                                               { 0, HEARS, "000#8105" },
+                                               { 0, SENDS, "705#00" },
+                                               { 0, HEARS, "605#4001200000000000" },
+                                               { 0, SENDS, "585#4101200000000000" } } };
+
+    device_forget(&device);
+    device_talk(&device, &talk);
+}
+END_TEST
+
+START_TEST(saved_heartbeat_runs_after_reset)
+{
+    put(0x1017, 0, 2, 100);
+    put(0x1010, 1, 4, SAVE);
+    device_run(&device, CO_MS(50));
+    reset(RESET_NODE);
+    device_run(&device, CO_MS(149));
+    ck_assert_str_eq(device_next_frame(&device, NULL), "");
+    device_run(&device, CO_MS(150));
+    ck_assert_str_eq(device_next_frame(&device, NULL), "705#7F");
+}
+END_TEST
+
+/* The error register and the history are states, no parameters. */
+START_TEST(errors_are_not_saved)
+{
+    const struct emcy_message error = { .code = 0x1000, .error_register = 1 };
+
+    ck_assert_int_eq(slave_raise_error(&device.slave, &error, 0, &device.out), CO_OK);
+    device_drain(&device);
+    put(0x1010, 1, 4, SAVE);
+    reset(RESET_NODE);
+    ck_assert_uint_eq(device_value(&device, 0x1001, 0), 0);
+    ck_assert_uint_eq(device_value(&device, 0x1003, 0), 0);
+}
+END_TEST
+
+static void verify(uint32_t date, uint32_t time)
+{
+    put(0x1020, 1, 4, date);
+    put(0x1020, 2, 4, time);
+}
+
+static void expect_verified(uint32_t date, uint32_t time)
+{
+    ck_assert_uint_eq(device_value(&device, 0x1020, 1), date);
+    ck_assert_uint_eq(device_value(&device, 0x1020, 2), time);
+}
+
+START_TEST(verification_in_the_order_of_a_configuration)
+{
+    change_all();
+    verify(1, 2);
+    put(0x1010, 1, 4, SAVE);
+    expect_verified(1, 2);
+    reset(RESET_NODE);
+    expect_verified(1, 2);
+    reset(RESET_COMMUNICATION);
+    expect_verified(1, 2);
+}
+END_TEST
+
+START_TEST(a_change_ends_verification)
+{
+    static const struct {
+        uint16_t index;
+        uint8_t sub, size;
+        uint32_t value;
+        uint32_t date, time;
+    } changes[] = {
+        { 0x1006, 0, 4, 5, 0, 0 }, { 0x2000, 0, 2, 21, 0, 0 },   { 0x2001, 0, 2, 0x4141, 0, 0 },
+        { 0x1006, 0, 4, 0, 1, 2 }, { 0x1003, 0, 1, 0, 1, 2 },    { 0x1020, 1, 4, 3, 3, 2 },
+        { 0x1020, 2, 4, 4, 1, 4 }, { 0x1010, 1, 4, SAVE, 1, 2 }, { 0x1011, 1, 4, LOAD, 1, 2 },
+    };
+
+    verify(1, 2);
+    put(changes[_i].index, changes[_i].sub, changes[_i].size, changes[_i].value);
+    expect_verified(changes[_i].date, changes[_i].time);
+}
+END_TEST
+
+START_TEST(a_refused_write_does_not_end_verification)
+{
+    verify(1, 2);
+    ck_assert_uint_eq(device_write(&device, 0x1005, 0, 4, 0x7F), SDO_INVALID_VALUE);
+    ck_assert_uint_eq(device_write(&device, 0x2000, 0, 4, 0x7F), SDO_TOO_LONG);
+    expect_verified(1, 2);
+}
+END_TEST
+
+/* Reset communication brings 1020h back, but not the application's parameters that it is about. */
+START_TEST(half_restored_is_not_verified)
+{
+    verify(1, 2);
+    put(0x1010, 1, 4, SAVE);
+    put(0x1006, 0, 4, 7);
+    expect_verified(0, 0);
+    reset(RESET_COMMUNICATION);
+    expect_verified(1, 2);
+    put(0x2000, 0, 2, 7);
+    reset(RESET_COMMUNICATION);
+    expect_verified(0, 0);
+    reset(RESET_NODE);
+    expect_verified(1, 2);
+}
+END_TEST
+
+START_TEST(half_saved_is_not_verified)
+{
+    change_all();
+    verify(1, 2);
+    put(0x1010, 2, 4, SAVE);
+    expect_verified(1, 2);
+    reset(RESET_NODE);
+    expect("half saved", 1111, 20, 60);
+    expect_verified(0, 0);
+    verify(1, 2);
+    put(0x1010, 1, 4, SAVE);
+    put(0x6000, 0, 2, 5);
+    put(0x1010, 3, 4, SAVE);
+    reset(RESET_NODE);
+    expect("half saved later", 1111, 20, 5);
+    expect_verified(0, 0);
+}
+END_TEST
+
+START_TEST(loaded_is_not_verified)
+{
+    change_all();
+    verify(1, 2);
+    put(0x1010, 1, 4, SAVE);
+    put(0x1011, 3, 4, LOAD);
+    reset(RESET_NODE);
+    expect("application's defaults", 1111, 2222, 60);
+    expect_verified(0, 0);
+}
+END_TEST
+
+static Suite *make_suite(void)
+{
+    Suite *suite = suite_create("slave_store");
+    TCase *tcase = tcase_create("slave_store");
+
+    tcase_add_checked_fixture(tcase, setup, teardown);
+    suite_add_tcase(suite, tcase);
+    tcase_add_loop_test(tcase, save_and_load, 0, (int)(sizeof cases / sizeof cases[0]));
+    tcase_add_test(tcase, wrong_signatures_change_nothing);
+    tcase_add_test(tcase, load_is_done_once);
+    tcase_add_test(tcase, the_later_command_counts);
+    tcase_add_test(tcase, values_of_other_length);
+    tcase_add_test(tcase, saved_heartbeat_runs_after_reset);
+    tcase_add_test(tcase, errors_are_not_saved);
+    tcase_add_test(tcase, verification_in_the_order_of_a_configuration);
+    tcase_add_loop_test(tcase, a_change_ends_verification, 0, 9);
+    tcase_add_test(tcase, a_refused_write_does_not_end_verification);
+    tcase_add_test(tcase, half_restored_is_not_verified);
+    tcase_add_test(tcase, half_saved_is_not_verified);
+    tcase_add_test(tcase, loaded_is_not_verified);
+    return suite;
+}
+
+int main(void)
+{
+    SRunner *runner = srunner_create(make_suite());
+    int failed;
+
+    srunner_run_all(runner, CK_NORMAL);
+    failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+}

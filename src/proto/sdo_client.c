@@ -52,7 +52,7 @@ static struct co_frame initiate_frame(const struct sdo_client *self)
     if (!transfer->download)
         return object_frame(self, 0x40);
     if (transfer->size >= 1 && transfer->size <= 4) {
-        frame = object_frame(self, 0x23 | (4 - transfer->size) << 2);
+        frame = object_frame(self, transfer->hide_size ? 0x22 : 0x23 | (4 - transfer->size) << 2);
         memcpy(frame.data + 4, transfer->source, transfer->size);
         return frame;
     }

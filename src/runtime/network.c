@@ -317,12 +317,17 @@ void network_shut(struct network *self)
     bus_wake(self->bus);
 }
 
+void network_stop(struct network *self)
+{
+    network_shut(self);
+    thread_join(&self->thread);
+}
+
 void network_close(struct network *self)
 {
     if (!self)
         return;
-    network_shut(self);
-    thread_join(&self->thread);
+    network_stop(self);
     bus_close(self->bus);
     condition_done(&self->changed);
     lock_done(&self->lock);

@@ -43,6 +43,8 @@ enum co_err network_open(const struct network_options *options, struct network *
                          char *message, size_t message_size);
 /* Ends what waits in network_wait(), now and from now on. */
 void network_shut(struct network *self);
+/* The same, and ends the thread: no event comes any more. */
+void network_stop(struct network *self);
 /*
  * Stops the thread and closes the bus; devices stay their owner's. Nobody may be between enter and
  * leave any more. NULL is fine.

@@ -1,0 +1,103 @@
+#include "api/control.h"
+
+#include "api/event_map.h"
+#include "api/log.h"
+#include "manager/boot_text.h"
+
+#include <stdio.h>
+
+/* An event for the log, on its way from a protocol thread. */
+struct log_event {
+    struct managed *managed;
+    struct co_event event;
+};
+
+enum co_err control_init(struct registry *registry)
+{
+    enum co_err err = event_queue_init(&registry->events, sizeof(EVENT_T), CONTROL_EVENTS);
+
+    if (err != CO_OK)
+        return err;
+    err = event_queue_init(&registry->logs, sizeof(struct log_event), CONTROL_LOG_EVENTS);
+    if (err != CO_OK)
+        event_queue_done(&registry->events);
+    return err;
+}
+
+void control_done(struct registry *registry)
+{
+    event_queue_done(&registry->events);
+    event_queue_done(&registry->logs);
+}
+
+/* Under the network's lock: what takes time is left to the daemon. */
+void control_on_event(void *context, struct network *network, const struct co_event *event)
+{
+    struct managed *managed = context;
+    struct log_event line = { managed, *event };
+    EVENT_T events[EVENT_MAP_MAX];
+    unsigned count = event_map(managed->config, event, events);
+
+    (void)network;
+    for (unsigned i = 0; i < count; i++)
+        event_queue_put(&managed->registry->events, &events[i]);
+    if (event->type != MANAGER_REQUEST_DONE)
+        event_queue_put(&managed->registry->logs, &line);
+}
+
+static bool runtime_text(const struct co_event *event, enum co_severity *ret_severity, char *text,
+                         size_t size)
+{
+    static const char *const states[] = { "error active", "error warning", "error passive",
+                                          "bus-off", "down" };
+
+    *ret_severity = CO_WARNING;
+    switch (event->type) {
+    case RUNTIME_FRAMES_LOST:
+        snprintf(text, size, "%u received frames lost: this computer is too slow for the bus",
+                 (unsigned)event->actual);
+        return true;
+    case RUNTIME_UNSENT:
+        snprintf(text, size, "%u frames given up: the bus did not take them (no other node, no "
+                             "cable, wrong bit rate?)", (unsigned)event->actual);
+        return true;
+    case RUNTIME_BUS_STATE:
+        snprintf(text, size, "bus is %s", event->detail <= BUS_DOWN ? states[event->detail] : "?");
+        return true;
+    default: return false;
+    }
+}
+
+static void log_line(const struct log_event *line)
+{
+    const struct managed *managed = line->managed;
+    char text[BOOT_TEXT_SIZE], full[BOOT_TEXT_SIZE + 64];
+    enum co_severity severity;
+
+    if (!runtime_text(&line->event, &severity, text, sizeof text) &&
+        !boot_text_event(managed->config, &line->event, &severity, text, sizeof text))
+        return;
+    snprintf(full, sizeof full, "%s%s%s",
+             managed->registry->network_count > 1 ? network_name(managed->network) : "",
+             managed->registry->network_count > 1 ? " " : "", text);
+    log_put(severity, full);
+}
+
+void *control_run(void *context)
+{
+    struct registry *self = context;
+    struct log_event line;
+    unsigned lost;
+
+    while (event_queue_take(&self->logs, CO_NEVER, &line) == CO_OK) {
+        char text[80];
+
+        log_line(&line);
+        lost = event_queue_take_lost(&self->logs);
+        snprintf(text, sizeof text, "%u messages lost: the log hook is too slow", lost);
+        if (lost > 0)
+            log_put(CO_WARNING, text);
+    }
+    return NULL;
+}
+

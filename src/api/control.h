@@ -1,0 +1,25 @@
+/*
+ * The control daemon: takes what the managers report to the application's event queue and log hook.
+ *
+ *   in   events of the managers, from the protocol threads
+ *   out  EVENT_T in the application's queue; lines of text to the log hook, from its own thread
+ */
+#ifndef CO_API_CONTROL_H
+#define CO_API_CONTROL_H
+
+#include "api/registry.h"
+
+#define CONTROL_EVENTS     1024u /* in the application's queue */
+#define CONTROL_LOG_EVENTS 4096u
+
+/* CO_ERR_MEMORY */
+enum co_err control_init(struct registry *registry);
+void control_done(struct registry *registry);
+
+/* A network_sink_fn; context: struct managed. */
+void control_on_event(void *context, struct network *network, const struct co_event *event);
+
+/* The daemon, until its queue is closed; context: struct registry. */
+void *control_run(void *context);
+
+#endif

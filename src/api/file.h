@@ -1,0 +1,29 @@
+/*
+ * Files of the host: reading one whole, and finding those that a configuration names.
+ */
+#ifndef CO_API_FILE_H
+#define CO_API_FILE_H
+
+#include "base/error.h"
+#include "manager/network_config.h"
+
+#include <stddef.h>
+
+#define FILE_SIZE_MAX (64u * 1024u * 1024u) /* more is no configuration file */
+
+/*
+ * The whole contents, with a NUL behind them that does not count; to be freed.
+ * CO_ERR_NOT_FOUND, CO_ERR_PERMISSION, CO_ERR_VALUE: too large or no regular file, CO_ERR_IO,
+ * CO_ERR_MEMORY.
+ */
+enum co_err file_read(const char *path, char **ret_text, size_t *ret_size);
+
+/*
+ * Where a file named in a network's configuration is: as given, under its repository, beside the XML
+ * file (and the repository beside it). *ret_path is to be freed; the name as given when it is
+ * nowhere. CO_ERR_MEMORY.
+ */
+enum co_err file_find(const struct network_config *config, const char *xml_path, const char *name,
+                      char **ret_path);
+
+#endif

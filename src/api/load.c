@@ -1,0 +1,266 @@
+#include "api/load.h"
+
+#include "api/error_map.h"
+#include "api/file.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What loading one node's file needs to know. */
+struct loader {
+    const char *xml_path;
+    const struct network_config *config;
+    struct node_config *node;
+    struct co_report *xml_report;
+    const char *folder; /* of the DCF, for DownloadFile */
+    size_t folder_size;
+};
+
+static const char *read_error_text(enum co_err err)
+{
+    if (err == CO_ERR_NOT_FOUND)
+        return "no such file";
+    if (err == CO_ERR_VALUE)
+        return "not a regular file, or larger than 64 MiB";
+    return co_err_text(err);
+}
+
+/* Messages about another file, into the same sink, counted in the same report. */
+static struct co_report report_for(const struct co_report *report, const char *file)
+{
+    return (struct co_report){ .file = file, .sink = report->sink, .context = report->context };
+}
+
+static void add_up(struct co_report *self, const struct co_report *other)
+{
+    if (self->errors == 0 && other->errors > 0)
+        memcpy(self->first_error, other->first_error, sizeof self->first_error);
+    self->errors += other->errors;
+    self->warnings += other->warnings;
+}
+
+static int parse_dcf(const char *path, const char *text, size_t size, struct co_report *report,
+                     struct dcf *ret_dcf)
+{
+    struct co_report own = report_for(report, path);
+    enum co_err err = dcf_parse(text, size, &own, ret_dcf);
+
+    add_up(report, &own);
+    if (err == CO_OK)
+        return MCANOPEN_OK;
+    return err == CO_ERR_MEMORY ? CANOPEN_DCF_OUT_OF_MEMORY
+                                : error_of_dcf((enum dcf_error)own.error_kind);
+}
+
+int load_dcf(const char *path, struct co_report *report, struct dcf *ret_dcf)
+{
+    struct co_report own = report_for(report, path);
+    char *text = NULL;
+    size_t size;
+    enum co_err err = file_read(path, &text, &size);
+    int result;
+
+    if (err != CO_OK) {
+        co_report_add(&own, CO_ERROR, 0, "%s", read_error_text(err));
+        add_up(report, &own);
+        return CANOPEN_DCF_INIT_ERROR;
+    }
+    result = parse_dcf(path, text, size, report, ret_dcf);
+    free(text);
+    return result;
+}
+
+/* DownloadFile: dcf/ has refused names that leave the folder. */
+static enum co_err read_download_file(void *context, const char *name, uint8_t **ret_bytes,
+                                      size_t *ret_size)
+{
+    const struct loader *self = context;
+    char *path = NULL, *text = NULL;
+    enum co_err err;
+
+    if (asprintf(&path, "%.*s%s", (int)self->folder_size, self->folder, name) < 0)
+        return CO_ERR_MEMORY;
+    err = file_read(path, &text, ret_size);
+    free(path);
+    if (err == CO_OK)
+        *ret_bytes = (uint8_t *)text;
+    return err;
+}
+
+/* The DCF must be one for this node on this network. */
+static int check_commissioning(const struct loader *self, const struct dcf *dcf,
+                               struct co_report *report)
+{
+    if (dcf->has_node_id && dcf->node_id != self->node->node_id) {
+        co_report_add(report, CO_ERROR, dcf->node_id_line,
+                      "NodeID is %u, but %s:%u configures node %u with this file", dcf->node_id,
+                      self->xml_path, self->node->file_line, self->node->node_id);
+        return CANOPEN_DCF_WRONG_NODE_ID;
+    }
+    if (dcf->baudrate && dcf->baudrate != self->config->baudrate) {
+        co_report_add(report, CO_ERROR, dcf->baudrate_line,
+                      "Baudrate is %u kbit/s, but the network in %s has %u kbit/s", dcf->baudrate,
+                      self->xml_path, self->config->baudrate);
+        return CANOPEN_DCF_WRONG_BAUDRATE;
+    }
+    return MCANOPEN_OK;
+}
+
+static int make_ccf(struct loader *self, const struct dcf *dcf, const char *path)
+{
+    struct co_report own = report_for(self->xml_report, path);
+    const char *slash = strrchr(path, '/');
+    struct dcf_ccf_options options = { .node_id = self->node->node_id,
+                                       .old_style = self->node->old_config_style,
+                                       .read_file = read_download_file,
+                                       .context = self };
+    int result = check_commissioning(self, dcf, &own);
+    enum co_err err;
+
+    self->folder = path;
+    self->folder_size = slash ? (size_t)(slash - path) + 1 : 0;
+    if (result == MCANOPEN_OK) {
+        err = dcf_make_ccf(dcf, &options, &own, &self->node->ccf);
+        if (err != CO_OK)
+            result = err == CO_ERR_MEMORY ? CANOPEN_DCF_OUT_OF_MEMORY
+                                          : error_of_dcf((enum dcf_error)own.error_kind);
+    }
+    add_up(self->xml_report, &own);
+    return result;
+}
+
+static int load_node_dcf(struct loader *self, const char *path, const char *text, size_t size)
+{
+    struct dcf dcf;
+    int result = parse_dcf(path, text, size, self->xml_report, &dcf);
+
+    if (result != MCANOPEN_OK)
+        return result;
+    result = make_ccf(self, &dcf, path);
+    dcf_done(&dcf);
+    return result;
+}
+
+static int load_node_ccf(struct loader *self, const char *path, const char *text, size_t size)
+{
+    struct co_report own = report_for(self->xml_report, path);
+    enum co_err err = ccf_parse((const uint8_t *)text, size, &own, &self->node->ccf);
+
+    add_up(self->xml_report, &own);
+    if (err == CO_OK)
+        return MCANOPEN_OK;
+    return err == CO_ERR_MEMORY ? CANOPEN_DCF_OUT_OF_MEMORY : CANOPEN_DCF_WRONG_PARAMETER;
+}
+
+static int load_node_file(struct loader *self, const char *path)
+{
+    struct co_report own = report_for(self->xml_report, self->xml_path);
+    char *text = NULL;
+    size_t size;
+    enum co_err err = file_read(path, &text, &size);
+    int result;
+
+    if (err != CO_OK) {
+        co_report_add(&own, CO_ERROR, self->node->file_line, "%s: %s: %s",
+                      self->node->dcf_file ? "DCF_File" : "CCF_File", path, read_error_text(err));
+        add_up(self->xml_report, &own);
+        return CANOPEN_DCF_INIT_ERROR;
+    }
+    result = self->node->dcf_file ? load_node_dcf(self, path, text, size)
+                                  : load_node_ccf(self, path, text, size);
+    free(text);
+    return result;
+}
+
+static int load_node(struct loader *self)
+{
+    const char *name = self->node->dcf_file ? self->node->dcf_file : self->node->ccf_file;
+    char *path = NULL;
+    int result;
+
+    if (!name)
+        return MCANOPEN_OK;
+    if (file_find(self->config, self->xml_path, name, &path) != CO_OK)
+        return MCAL_OBJ_NO_MEMORY;
+    result = load_node_file(self, path);
+    free(path);
+    return result;
+}
+
+/* All nodes are looked at; the first error counts. */
+static int load_nodes(const char *path, struct network_config *config, struct co_report *report)
+{
+    int result = MCANOPEN_OK;
+
+    for (size_t i = 0; i < config->node_count; i++) {
+        struct loader loader = { .xml_path = path,
+                                 .config = config,
+                                 .node = &config->nodes[i],
+                                 .xml_report = report };
+        int one = load_node(&loader);
+
+        if (result == MCANOPEN_OK)
+            result = one;
+    }
+    return result;
+}
+
+static int parse_xml(const char *path, struct co_report *report,
+                     struct network_config **ret_networks, size_t *ret_count)
+{
+    char *text = NULL;
+    size_t size;
+    enum co_err err = file_read(path, &text, &size);
+
+    if (err != CO_OK) {
+        co_report_add(report, CO_ERROR, 0, "%s", read_error_text(err));
+        return error_of_xml(err == CO_ERR_MEMORY ? err : CO_ERR_IO);
+    }
+    err = network_config_parse(text, size, report, ret_networks, ret_count);
+    free(text);
+    if (err == CO_ERR_VALUE && report->error_kind)
+        err = (enum co_err)report->error_kind;
+    return error_of_xml(err);
+}
+
+int load_networks(const char *path, struct co_report *report, struct network_config **ret_networks,
+                  size_t *ret_count)
+{
+    struct network_config *networks = NULL;
+    size_t count = 0;
+    int result;
+
+    report->file = path;
+    result = parse_xml(path, report, &networks, &count);
+    if (result != MCANOPEN_OK)
+        return result;
+    for (size_t i = 0; i < count; i++) {
+        int one = load_nodes(path, &networks[i], report);
+
+        if (result == MCANOPEN_OK)
+            result = one;
+    }
+    if (result != MCANOPEN_OK) {
+        network_config_free(networks, count);
+        return result;
+    }
+    *ret_networks = networks;
+    *ret_count = count;
+    return MCANOPEN_OK;
+}
+
+void load_bus_name(const struct network_config *config, char *name, size_t size)
+{
+    char variable[32];
+    const char *from_environment;
+
+    snprintf(variable, sizeof variable, "MCANOPEN_NET_%u", config->net);
+    from_environment = getenv(variable);
+    if (from_environment && from_environment[0])
+        snprintf(name, size, "%s", from_environment);
+    else if (config->interface)
+        snprintf(name, size, "%s", config->interface);
+    else
+        snprintf(name, size, "can%u", config->net);
+}

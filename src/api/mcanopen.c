@@ -1,0 +1,296 @@
+#include "mcanopen.h"
+
+#include "api/control.h"
+#include "api/error_map.h"
+#include "api/load.h"
+#include "api/log.h"
+#include "api/registry.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+int mcanOpenInitialize(void)
+{
+    enum registry_state state;
+    int result;
+    struct registry *self = registry_begin_change(&state, &result);
+
+    if (!self)
+        return result;
+    result = MCANOPEN_OK;
+    if (state == REGISTRY_NEW) {
+        if (control_init(self) == CO_OK)
+            state = REGISTRY_INITIALIZED;
+        else
+            result = MCAL_OBJ_NO_MEMORY;
+    }
+    registry_end_change(state);
+    return result;
+}
+
+static void close_managed(struct managed *self)
+{
+    network_close(self->network);
+    if (self->manager)
+        manager_done(self->manager);
+    free(self->manager);
+    *self = (struct managed){ .config = NULL };
+}
+
+static void close_all(struct registry *self)
+{
+    for (size_t i = 0; i < self->network_count; i++)
+        close_managed(&self->networks[i]);
+    self->network_count = 0;
+    network_config_free(self->configs, self->config_count);
+    self->configs = NULL;
+    self->config_count = 0;
+}
+
+static int open_bus(struct managed *self, struct co_report *report)
+{
+    char bus[64], message[CO_REPORT_TEXT_SIZE] = "";
+    struct network_options options = { .bus = bus,
+                                       .bitrate = self->config->baudrate,
+                                       .sink = control_on_event,
+                                       .context = self };
+    enum co_err err;
+
+    load_bus_name(self->config, bus, sizeof bus);
+    err = network_open(&options, &self->network, message, sizeof message);
+    if (err == CO_OK)
+        err = network_add_manager(self->network, self->manager);
+    if (err != CO_OK)
+        co_report_add(report, CO_ERROR, self->config->line, "%s",
+                      message[0] ? message : co_err_text(err));
+    return error_of_bus(err);
+}
+
+static int open_managed(struct managed *self, const struct network_config *config,
+                        struct co_report *report)
+{
+    struct manager *manager = calloc(1, sizeof *manager);
+
+    self->config = config;
+    if (!manager)
+        return MCAL_OBJ_NO_MEMORY;
+    if (manager_init(manager, config) != CO_OK) {
+        free(manager);
+        return MCAL_OBJ_NO_MEMORY;
+    }
+    self->manager = manager;
+    return open_bus(self, report);
+}
+
+static int configure(struct registry *self, const char *path, struct co_report *report)
+{
+    int result = load_networks(path, report, &self->configs, &self->config_count);
+
+    event_queue_open(&self->events);
+    event_queue_open(&self->logs);
+    for (size_t i = 0; i < self->config_count && result == MCANOPEN_OK; i++) {
+        struct managed *managed = &self->networks[self->network_count++];
+
+        managed->registry = self;
+        result = open_managed(managed, &self->configs[i], report);
+    }
+    if (result != MCANOPEN_OK && report->errors == 0)
+        co_report_add(report, CO_ERROR, 0, "out of memory");
+    if (result != MCANOPEN_OK)
+        close_all(self);
+    return result;
+}
+
+int mcanOpenConfig(const char *cfgFile)
+{
+    struct co_report report = { .sink = log_sink };
+    enum registry_state state;
+    struct registry *self;
+    int result;
+
+    if (!cfgFile)
+        return MCAL_PARA_ERROR;
+    self = registry_begin_change(&state, &result);
+    if (!self)
+        return result;
+    if (state == REGISTRY_INITIALIZED) {
+        result = configure(self, cfgFile, &report);
+        memcpy(self->error_text, report.first_error, sizeof self->error_text);
+        if (result == MCANOPEN_OK)
+            state = REGISTRY_CONFIGURED;
+    }
+    registry_end_change(state);
+    return result;
+}
+
+const char *mcanOpenGetErrorText(void)
+{
+    return registry_error_text();
+}
+
+/* The highest of the priorities given for a network counts for its protocol thread. */
+static int priority_of(const struct network_config *config)
+{
+    int highest = 0;
+
+    for (unsigned i = 0; config->has_manager_priorities && i < 3; i++)
+        if (config->manager_priorities[i] > highest)
+            highest = config->manager_priorities[i];
+    for (unsigned i = 0; config->has_slave_priorities && i < 4; i++)
+        if (config->slave_priorities[i] > highest)
+            highest = config->slave_priorities[i];
+    if (!config->has_manager_priorities && !config->has_slave_priorities)
+        return 0;
+    return config->native_priorities ? highest : thread_native_priority(highest);
+}
+
+static bool set_priorities(struct registry *self)
+{
+    bool allowed = true;
+
+    for (size_t i = 0; i < self->network_count; i++) {
+        const struct managed *managed = &self->networks[i];
+        int priority = priority_of(managed->config);
+
+        if (priority > 0 && network_set_priority(managed->network, priority) != CO_OK)
+            allowed = false;
+    }
+    return allowed;
+}
+
+static bool tried_all(const struct managed *managed)
+{
+    const struct manager *manager = managed->manager;
+
+    for (size_t i = 0; i < managed->config->node_count; i++) {
+        const struct boot_node *node = &manager->nodes[managed->config->nodes[i].node_id];
+
+        if (boot_node_is_booted_by_master(node) && !node->tried)
+            return false;
+    }
+    return true;
+}
+
+static bool start_threads(struct registry *self)
+{
+    if (thread_start(&self->control, "mcan-control", control_run, self) != CO_OK)
+        return false;
+    for (size_t i = 0; i < self->network_count; i++)
+        if (network_start(self->networks[i].network) != CO_OK)
+            return false;
+    return true;
+}
+
+static void start(struct registry *self)
+{
+    if (!start_threads(self))
+        log_put(CO_ERROR, "mcanOpenStart: no memory for the threads");
+    else if (!set_priorities(self))
+        log_put(CO_WARNING, "no right to set thread priorities (CAP_SYS_NICE, or ulimit -r): the "
+                            "threads run with the default ones");
+}
+
+/* Each slave of the network has been tried once, or the network goes away. */
+static void wait_for_startup(int net)
+{
+    struct managed *managed;
+    enum co_err err = CO_OK;
+    uint8_t self;
+    co_us_t now;
+
+    if (registry_enter(net, true, &managed) != MCANOPEN_OK)
+        return;
+    self = managed->config->manager_node_id;
+    network_enter(managed->network, &now);
+    while (!tried_all(managed) && err != CO_ERR_STATE)
+        err = network_wait(managed->network, self, CO_NEVER);
+    network_leave(managed->network, self);
+    registry_leave();
+}
+
+void mcanOpenStart(void)
+{
+    int waiting[NETWORK_INSTANCES], result;
+    size_t waiting_count = 0;
+    enum registry_state state;
+    struct registry *self = registry_begin_change(&state, &result);
+
+    if (!self) {
+        log_put(CO_ERROR, "mcanOpenStart: not possible now");
+        return;
+    }
+    if (state != REGISTRY_CONFIGURED) {
+        log_put(CO_ERROR, state == REGISTRY_RUNNING ? "mcanOpenStart: started already"
+                                                    : "mcanOpenStart: nothing is configured");
+    } else {
+        start(self);
+        state = REGISTRY_RUNNING;
+        for (size_t i = 0; i < self->network_count; i++)
+            if (self->networks[i].config->wait_for_startup)
+                waiting[waiting_count++] = self->networks[i].config->net;
+    }
+    registry_end_change(state);
+    for (size_t i = 0; i < waiting_count; i++)
+        wait_for_startup(waiting[i]);
+}
+
+/* First the calls that wait, then the threads, then what they worked on. */
+static void shut_down(struct registry *self)
+{
+    event_queue_close(&self->events);
+    for (size_t i = 0; i < self->network_count; i++)
+        network_shut(self->networks[i].network);
+    registry_expel();
+    for (size_t i = 0; i < self->network_count; i++)
+        network_stop(self->networks[i].network);
+    event_queue_close(&self->logs);
+    thread_join(&self->control);
+    close_all(self);
+}
+
+int mcanOpenShutDown(void)
+{
+    int result;
+    enum registry_state state;
+    struct registry *self = registry_begin_change(&state, &result);
+
+    if (!self)
+        return result;
+    if (state == REGISTRY_CONFIGURED || state == REGISTRY_RUNNING) {
+        shut_down(self);
+        state = REGISTRY_INITIALIZED;
+        result = MCANOPEN_OK;
+    }
+    registry_end_change(state);
+    return result;
+}
+
+int mcanOpenCleanup(void)
+{
+    int result;
+    enum registry_state state;
+    struct registry *self = registry_begin_change(&state, &result);
+
+    if (!self)
+        return result;
+    if (state == REGISTRY_CONFIGURED || state == REGISTRY_RUNNING)
+        shut_down(self);
+    if (state != REGISTRY_NEW) {
+        control_done(self);
+        self->error_text[0] = '\0';
+        log_reset();
+        state = REGISTRY_NEW;
+        result = MCANOPEN_OK;
+    }
+    registry_end_change(state);
+    return result;
+}
+
+int mcanOpenGetVersion(unsigned short *version)
+{
+    if (!version)
+        return MCAL_PARA_ERROR;
+    *version = (unsigned short)(MCANOPEN_VERSION_MAJOR << 12 | MCANOPEN_VERSION_MINOR << 8 |
+                                MCANOPEN_VERSION_PATCH);
+    return MCANOPEN_OK;
+}

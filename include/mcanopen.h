@@ -1,0 +1,434 @@
+/*
+ * mcanopen: the CANopen manager (CiA 301 and CiA 302-2). Configures, starts and supervises the
+ * slaves of one or more CAN networks as an XML file describes them. scanopen.h is the slave side of
+ * the same library; both may be used in one process and on one network.
+ *
+ *   mcanOpenInitialize();
+ *   if (mcanOpenConfig("network.xml") != MCANOPEN_OK)
+ *       puts(mcanOpenGetErrorText());
+ *   else
+ *       mcanOpenStart();                  from now on: mcanOpenEvent, mcanOpenReadSDO ...
+ *   mcanOpenShutDown();
+ *   mcanOpenCleanup();
+ *
+ * Return values: MCANOPEN_OK or one of the error codes below. Compare with the names, not with
+ * numbers. Any function that takes a net returns MCAL_NO_NET for a net (0..255) that is not in the
+ * configuration, MCAL_SYS_ERROR before mcanOpenInitialize and MCAL_PARA_ERROR for a NULL pointer or
+ * a number out of range; below only what goes beyond that is told.
+ *
+ * Threads: every function may be called from any thread. From a callback (an object or event
+ * handler of scanopen.h, the log hook) only those that do not wait: the others are marked "waits"
+ * and return MCAL_UNSUPPORTED there at once. After fork() the child may use no function of the
+ * library.
+ *
+ * "Ours" marks what goes beyond the interface of the manual. Pointers to data that the library only
+ * reads are const here, where the manual prints them without.
+ */
+#ifndef MCANOPEN_H
+#define MCANOPEN_H
+
+#include "mcanopen_types.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* error codes ---------------------------------------------------------------------------------- */
+
+#define MCANOPEN_OK 0 /* done, nothing to say */
+
+/* Communication */
+#define MCAL_CAN_RX_TIMEOUT      (-1)  /* the node did not answer in time */
+#define MCAL_CAN_TX_TIMEOUT      (-2)  /* the frame could not go out in time: busy bus, no node */
+#define MCAL_CAN_TX_ERROR        (-3)  /* sending failed: interface down or gone */
+#define MCAL_CAN_CONTR_OFF_BUS   (-4)  /* the controller is bus-off */
+#define MCAL_CAN_CONTR_WARN      (-5)  /* a send timed out while the controller was error passive */
+#define MCAL_CAN_CONTR_BUSY      (-6)  /* the queue for frames to send is full */
+/* General */
+#define MCAL_PARA_ERROR          (-7)  /* an argument, or a value of the XML file, is not valid */
+#define MCAL_SYS_ERROR           (-8)  /* wrong order of calls, bad XML, unusable interface */
+#define MCAL_NO_NET              (-9)  /* this net is not configured, or went away while waiting */
+#define MCAL_OBJ_NO_MEMORY       (-10) /* no memory, thread or other resource of the system */
+#define MCAL_NODE_NOT_EXISTEND   (-11) /* the node is not in the configuration of this net */
+#define MCAL_NO_EVENT            (-12) /* no event is waiting */
+#define MCAL_UNSUPPORTED         (-13) /* a call that waits was made from a callback */
+/* SDO transfers */
+#define MCAL_WRONG_SERVER_ANSWER (-14) /* the node's answer breaks the SDO protocol */
+#define MCAL_TOGGLE_ERROR        (-15) /* the node's segments do not alternate their toggle bit */
+#define MCAL_BUFFER_OVERFLOW     (-16) /* the caller's buffer is too small */
+#define MCAL_ABORT_DOMAIN        (-17) /* the node aborted the transfer; ERROR_T has its code */
+/* Left over from CAL, defined so that programs compile. This implementation never returns them: */
+#define MCAL_DOWNLOAD_ABORT_SLAVE (-18) /* there are no CAL slaves */
+#define MCAL_WRONG_SLAVE_ANSWER  (-19)  /* there are no CAL slaves */
+#define MCAL_WRONG_GUARD_ID      (-20)  /* CANopen fixes the identifier of guarding */
+#define MCAL_NEW_GUARD_PARA      (-21)  /* as above, so it cannot differ between files */
+#define MCAL_NODE_NOT_FREE       (-22)  /* mcanOpenNodeControl has nothing to take over */
+
+/* Configuration files, from mcanOpenConfig; mcanOpenGetErrorText tells file and line */
+#define CANOPEN_DCF_INIT_ERROR      (-101) /* a DCF or CCF file cannot be opened */
+#define CANOPEN_DCF_OUT_OF_MEMORY   (-102) /* no memory while reading a DCF or CCF file */
+#define CANOPEN_DCF_WRONG_NODE_ID   (-103) /* NodeID of the DCF differs from Node_Id of the XML */
+#define CANOPEN_DCF_WRONG_BAUDRATE  (-104) /* not of CANopen, or DCF, XML, interface differ */
+#define CANOPEN_DCF_MISSING_SECTION (-105) /* a section that CiA 306 demands is missing */
+#define CANOPEN_DCF_MISSING_ENTRY   (-106) /* a keyword that CiA 306 demands is missing */
+#define CANOPEN_DCF_WRONG_PARAMETER (-107) /* a keyword has no value or no valid one */
+#define CANOPEN_DCF_OUT_OF_RANGE    (-108) /* a value does not fit its data type */
+#define CANOPEN_DCF_OUT_OF_LIMITS   (-109) /* a value is not between LowLimit and HighLimit */
+#define CANOPEN_DCF_DOUBLE_SECTION  (-110) /* a section occurs twice */
+#define CANOPEN_DCF_DOUBLE_KEYWORD  (-111) /* a keyword occurs twice in a section */
+#define CANOPEN_DCF_UNKNOWN_KEYWORD (-112) /* a keyword is not of CiA 306 */
+#define CANOPEN_DCF_WRONG_NET_NO    (-113) /* more networks than the library can drive */
+#define CANOPEN_DCF_WRONG_MODULE_NO (-114) /* a node-ID is not 1..127 */
+
+/* events --------------------------------------------------------------------------------------- */
+
+/*
+ * Why a node aborted an SDO transfer: the four bytes of its abort code (CiA 301, 7.2.4.3.17), the
+ * most significant first. All 0 when the transfer ended in any other way.
+ */
+typedef struct {
+    unsigned char eclass; /* bits 31..24 of the abort code */
+    unsigned char code;   /* bits 23..16 */
+    unsigned char spec;   /* bits 15..8 */
+    unsigned char global; /* bits 7..0 */
+} ERROR_T;
+
+/*
+ * One message of the manager. event tells what is in it:
+ *
+ *   bit   31           30           29..8                          7..0
+ *         NET_NOT_VAL  NOD_NOT_VAL  PARA: which member of para     message: index into the paraInfo
+ *                                   is valid (exactly one bit)     table of that member
+ *
+ * The value is zero-extended, so with a long of 64 bits it is never negative.
+ */
+typedef struct {
+    long event;
+    int net;  /* -1 with NET_NOT_VAL */
+    int node; /* -1 with NOD_NOT_VAL */
+    union {
+        char c;
+        unsigned char uc;
+        short s;
+        unsigned short us;
+        int i;
+        unsigned int ui;
+        long l;
+        unsigned long ul;
+        struct {
+            unsigned short index;
+            unsigned short subindex;
+            ERROR_T err;
+        } write;
+        char str[64]; /* always ends with a NUL */
+    } para;
+} EVENT_T;
+
+#define NET_NOT_VAL 0x80000000UL
+#define NOD_NOT_VAL 0x40000000UL
+#define PARA        0x3FFFFF00UL
+#define PARA_C      0x00000100UL
+#define PARA_UC     0x00000200UL
+#define PARA_S      0x00000400UL
+#define PARA_US     0x00000800UL
+#define PARA_I      0x00001000UL
+#define PARA_UI     0x00002000UL
+#define PARA_L      0x00004000UL
+#define PARA_UL     0x00008000UL
+#define PARA_WRITE  0x00010000UL
+#define PARA_STR    0x00020000UL
+
+/*
+ * Messages: the least significant byte of event. Numbers count for each member of para on their
+ * own.
+ */
+enum { /* with PARA_C, para.c */
+    MCANOPEN_MSG_BOOT_ERROR = 1 /* a boot try failed; c: the status letter of CiA 302-2, 'A'..'O' */
+};
+enum { /* with PARA_UC, para.uc */
+    MCANOPEN_MSG_NODE_STATE = 1,    /* a node has a new NMT state, uc */
+    MCANOPEN_MSG_BOOT_UP = 2,       /* a node has sent its boot-up message; uc: 0 */
+    MCANOPEN_MSG_NODE_STARTED = 3,  /* the manager has started a node; uc: its NMT state as known */
+    MCANOPEN_MSG_MANAGER_STATE = 4, /* node is the manager itself; uc: its new NMT state */
+    MCANOPEN_MSG_NETWORK_UP = 5,    /* NOD_NOT_VAL; the network is up; uc: nodes booted */
+    MCANOPEN_MSG_NODE_BOOTED = 6    /* a node's boot ended well; uc: 'L' was running, or 0 */
+};
+enum { /* with PARA_US, para.us */
+    MCANOPEN_MSG_HEARTBEAT_LOST = 1, /* us: the consumer heartbeat time that has passed, ms */
+    MCANOPEN_MSG_HEARTBEAT_BACK = 2, /* us: as above */
+    MCANOPEN_MSG_BOOT_TIME_OVER = 3  /* NOD_NOT_VAL; mandatory node missing; us: Boot_Time, ms */
+};
+enum { /* with PARA_I, para.i */
+    MCANOPEN_MSG_BUS_STATE = 1,          /* NOD_NOT_VAL; i: MCANOPEN_BUS_... */
+    MCANOPEN_MSG_GUARDING_TOGGLE = 0x22  /* guarding answer with wrong toggle bit; i: how many */
+};
+enum { /* with PARA_UL, para.ul */
+    MCANOPEN_MSG_EMERGENCY = 1,   /* ul: error code in bits 0..15, error register in bits 16..23 */
+    MCANOPEN_MSG_EVENTS_LOST = 2, /* NET_NOT_VAL and NOD_NOT_VAL; ul: events dropped, queue full */
+    MCANOPEN_MSG_FRAMES_LOST = 3  /* NOD_NOT_VAL; ul: frames that the interface has dropped */
+};
+enum { /* with PARA_WRITE, para.write */
+    MCANOPEN_MSG_CONFIGURATION_ABORTED = 1, /* a node refused a value of its configuration */
+    MCANOPEN_MSG_BOOT_READ_ABORTED = 2      /* a node refused a read that its boot needs */
+};
+enum { /* with PARA_STR, para.str */
+    MCANOPEN_MSG_TEXT = 1 /* what went wrong, cut to 63 characters; the log has all of it */
+};
+
+enum { /* of MCANOPEN_MSG_BUS_STATE */
+    MCANOPEN_BUS_ACTIVE = 0,
+    MCANOPEN_BUS_WARNING = 1,
+    MCANOPEN_BUS_PASSIVE = 2,
+    MCANOPEN_BUS_OFF = 3,
+    MCANOPEN_BUS_DOWN = 4 /* the interface is down or gone */
+};
+
+enum { /* NMT states as mcanOpenGetNodeState, events and records give them (CiA 301, 7.2.8) */
+    MCANOPEN_STATE_OFFLINE = 0x00, /* never heard, lost, or in reset */
+    MCANOPEN_STATE_STOPPED = 0x04,
+    MCANOPEN_STATE_OPERATIONAL = 0x05,
+    MCANOPEN_STATE_PREOPERATIONAL = 0x7F
+};
+
+/* life of a manager ---------------------------------------------------------------------------- */
+
+/*
+ * Prepares the library. To be called first; a second call before mcanOpenCleanup changes nothing.
+ *
+ *   MCAL_OBJ_NO_MEMORY  no memory
+ */
+MCANOPEN_API int mcanOpenInitialize(void);
+
+/*
+ * Ends what still runs (as mcanOpenShutDown) and frees everything, log hook and error text
+ * included. Local slaves made with scanopen.h are not touched. Waits for the threads of the manager
+ * to end.
+ *
+ *   MCAL_SYS_ERROR    not initialized
+ *   MCAL_UNSUPPORTED  from a callback
+ */
+MCANOPEN_API int mcanOpenCleanup(void);
+
+/*
+ * Reads the XML file cfgFile and every DCF (CiA 306) or CCF (CiA 302-3) file that it names, and
+ * opens the CAN interfaces. Sends nothing. On an error all of it is undone, mcanOpenGetErrorText
+ * has the first error and the log hook got all of them; another file may then be tried. Waits (file
+ * access).
+ *
+ *   MCAL_SYS_ERROR      not initialized, configured already; the XML file is missing, unreadable or
+ *                       malformed; an interface is missing, down or forbidden
+ *   MCAL_PARA_ERROR     unknown or duplicate element, value out of range, node-ID given twice
+ *   MCAL_OBJ_NO_MEMORY  no memory
+ *   CANOPEN_DCF_...     as told at each code; WRONG_BAUDRATE also for an interface, or a network
+ *                       that a local slave has opened, with another bit rate
+ *   MCAL_UNSUPPORTED    from a callback
+ */
+MCANOPEN_API int mcanOpenConfig(const char *cfgFile);
+
+/*
+ * Starts the manager on every configured network: initial reset, Boot_Delay, then the boot of all
+ * slaves side by side (CiA 302-2). Returns at once, or, with Wait_For_Startup TRUE in a network,
+ * when each slave of that network has been tried once. What happens is told by events. Without a
+ * configuration, a second time or from a callback with Wait_For_Startup it does nothing but log an
+ * error.
+ */
+MCANOPEN_API void mcanOpenStart(void);
+
+/*
+ * Ends the manager and gives the networks back. No NMT command goes out: the slaves keep their
+ * states and local slaves their network. Calls that wait in other threads return MCAL_NO_NET within
+ * 100 ms. mcanOpenConfig may follow. Waits.
+ *
+ *   MCAL_SYS_ERROR    not initialized, or nothing is configured
+ *   MCAL_UNSUPPORTED  from a callback
+ */
+MCANOPEN_API int mcanOpenShutDown(void);
+
+/*
+ * The version of the library: level in bits 12..15, revision in bits 8..11, change in bits 0..7.
+ * Needs no initialization.
+ *
+ *   MCAL_PARA_ERROR  version is NULL
+ */
+MCANOPEN_API int mcanOpenGetVersion(unsigned short *version);
+
+/* what happens --------------------------------------------------------------------------------- */
+
+/*
+ * Takes the oldest event, of any network. With wait 0 it returns at once; with wait 1 it waits for
+ * an event. Several threads may wait, each event goes to one of them. The queue is bounded: where
+ * the application does not fetch events in time, new ones are dropped and counted, and
+ * MCANOPEN_MSG_EVENTS_LOST follows when there is room.
+ *
+ *   MCAL_NO_EVENT     nothing there (wait 0)
+ *   MCAL_NO_NET       nothing is configured, or the manager was shut down while waiting
+ *   MCAL_PARA_ERROR   event is NULL, wait is neither 0 nor 1
+ *   MCAL_UNSUPPORTED  wait 1 from a callback
+ */
+MCANOPEN_API int mcanOpenEvent(EVENT_T *event, int wait);
+
+/*
+ * The NMT state of a node, 1..127, as last reported by it (boot-up, heartbeat, guarding): 0x00
+ * offline, 0x04 stopped, 0x05 operational, 0x7F pre-operational; with the manager's own node-ID its
+ * own state. Without error control of the node it is the state that the manager last commanded.
+ *
+ *   MCAL_NODE_NOT_EXISTEND  the node is not in the configuration
+ */
+MCANOPEN_API int mcanOpenGetNodeState(int net, int nodeID, int *state);
+
+/* object dictionary access --------------------------------------------------------------------- */
+
+/*
+ * Reads the object index (0..0xFFFF), subindex (0..0xFF) of node modID (1..127) by SDO (CiA 301,
+ * 7.2.4). *len is the size of buffer in bytes before, and the number of bytes read after the call.
+ * The bytes are as the node has sent them, little-endian. The time-out for each answer is
+ * SDO_Timeout of the node; for nodes that are not in the configuration, which may be read as well,
+ * 200 ms. The time starts when the transfer's turn has come: a node serves one at a time. error may
+ * be NULL. Waits.
+ *
+ *   MCAL_ABORT_DOMAIN         the node aborted; *error has its code
+ *   MCAL_BUFFER_OVERFLOW      the data is longer than *len: aborted with 05040005h, buffer is
+ *                             untouched, *len is the size needed where the node has told it
+ *   MCAL_CAN_RX_TIMEOUT       no answer in time
+ *   MCAL_TOGGLE_ERROR, MCAL_WRONG_SERVER_ANSWER   the node breaks the protocol; aborted
+ *   MCAL_CAN_TX_TIMEOUT, MCAL_CAN_TX_ERROR, MCAL_CAN_CONTR_OFF_BUS, MCAL_CAN_CONTR_WARN,
+ *   MCAL_CAN_CONTR_BUSY       the request could not be sent, as told at each code
+ *   MCAL_NO_NET               also: the manager was shut down meanwhile
+ *   MCAL_UNSUPPORTED          from a callback
+ */
+MCANOPEN_API int mcanOpenReadSDO(unsigned short net, unsigned short modID, int index, int subindex,
+                                 void *buffer, int *len, ERROR_T *error);
+
+/*
+ * Writes to the object index, subindex of node modID by SDO; ranges, waiting and errors as in
+ * mcanOpenReadSDO, but 2000 ms for nodes that are not in the configuration.
+ *
+ * type is TYP_...: where it has a size of its own and len is 0, that many bytes are written, else
+ * len bytes (1 and up). Up to 4 bytes go expedited, more in segments. TYP_INDICATE_SIZE and
+ * TYP_INDICATE_NO_SIZE tell whether the first frame carries the size; without them it does when
+ * expedited and does not in segments. TYP_BLOCK (ours) or the element SDO_Block_Size asks for a
+ * block transfer; a node that refuses it gets segments. A transfer is never repeated once data was
+ * sent.
+ *
+ *   MCAL_PARA_ERROR  also: unknown type or flags, both size flags, len < 0, len 0 for a type
+ *                    without a size
+ */
+MCANOPEN_API int mcanOpenWriteSDO(unsigned short net, unsigned short modID, int index, int subindex,
+                                  int type, const void *buffer, int len, ERROR_T *error);
+
+/* NMT control ---------------------------------------------------------------------------------- */
+
+/* Kept for old programs. Does nothing, always MCANOPEN_OK. */
+MCANOPEN_API int mcanOpenNodeControl(int net, int nodeID, long flags);
+
+/*
+ * NMT commands (CiA 301, 7.2.8.2.1) to a node of the configuration, 1..127. They return when the
+ * frame has been handed to the interface; the change of state is told by events. They do not wait.
+ *
+ * nodeID 0 (ours) addresses all nodes, with one frame. The manager's own node-ID changes the state
+ * of the manager: with NMT_Auto_Operational FALSE, mcanOpenStartNode(net, Manager_Node_Id) is how
+ * the application lets the network start. No slave is started before the manager is operational.
+ *
+ *   Start       NMT start remote node
+ *   Stop        NMT stop remote node
+ *   Reset       NMT reset node or, without NMT_Reset_Node, reset communication; where the node is
+ *               booted by the manager (NMT_Auto_Start_Slave) it is configured and started again
+ *   EnterPreop  NMT enter pre-operational
+ *
+ *   MCAL_NODE_NOT_EXISTEND  the node is not in the configuration
+ *   MCAL_SYS_ERROR          also: the manager is not started or not the NMT master; start before
+ *                           the manager is operational
+ *   MCAL_CAN_TX_TIMEOUT, MCAL_CAN_TX_ERROR, MCAL_CAN_CONTR_OFF_BUS, MCAL_CAN_CONTR_WARN,
+ *   MCAL_CAN_CONTR_BUSY     the command could not be sent
+ */
+MCANOPEN_API int mcanOpenStartNode(int net, int nodeID);
+MCANOPEN_API int mcanOpenStopNode(int net, int nodeID);
+MCANOPEN_API int mcanOpenResetNode(int net, int nodeID);
+MCANOPEN_API int mcanOpenEnterPreop(int net, int nodeID);
+
+/* ours ----------------------------------------------------------------------------------------- */
+
+enum { /* levels of log texts */
+    MCANOPEN_LOG_ERROR = 0,
+    MCANOPEN_LOG_WARNING = 1,
+    MCANOPEN_LOG_INFO = 2 /* the steps of the boot */
+};
+
+/* Gets one line of text without newline; the text is valid during the call. */
+typedef void (*MCANOPEN_LOG_T)(void *context, int level, const char *text);
+
+/*
+ * Sets who gets the texts of the library; NULL: errors and warnings go to stderr, as without this
+ * call. The hook is called from a thread of the library or from within mcanOpenConfig, never while
+ * the library holds a lock; from several threads at a time where there are several networks. It
+ * stays until mcanOpenCleanup. Calls that have begun may still reach the old hook. Needs no
+ * initialization.
+ */
+MCANOPEN_API int mcanOpenSetLog(MCANOPEN_LOG_T hook, void *context);
+
+/*
+ * The first error of the last mcanOpenConfig as one line, "network.xml:14: error: ...", or "".
+ * Valid until the next mcanOpenConfig or mcanOpenCleanup.
+ */
+MCANOPEN_API const char *mcanOpenGetErrorText(void);
+
+/* Room for the longest text of mcanOpenEventText, its end included. */
+#define MCANOPEN_EVENT_TEXT_SIZE 256
+
+/*
+ * Writes a whole event as one line without newline, "Net: 1 Node: 5 guarding toggle error no 2", at
+ * most size bytes with the end. Needs no initialization.
+ *
+ *   MCAL_PARA_ERROR       event or text is NULL, size < 1, or event has not exactly one PARA bit of
+ *                         those above; text, where there is one, is then ""
+ *   MCAL_BUFFER_OVERFLOW  the text was cut to fit
+ */
+MCANOPEN_API int mcanOpenEventText(const EVENT_T *event, char *text, int size);
+
+enum { /* where the boot of a node stands */
+    MCANOPEN_STEP_IDLE = 0, /* not begun, or not booted by the manager */
+    MCANOPEN_STEP_RESET = 1,
+    MCANOPEN_STEP_DEVICE_TYPE = 2,         /* 1000h */
+    MCANOPEN_STEP_IDENTITY = 3,            /* 1018h */
+    MCANOPEN_STEP_CHECK_CONFIGURATION = 4, /* 1020h */
+    MCANOPEN_STEP_CONFIGURE = 5,
+    MCANOPEN_STEP_SAVE = 6, /* 1010h */
+    MCANOPEN_STEP_ERROR_CONTROL = 7,
+    MCANOPEN_STEP_READY = 8,   /* booted, waits for its start */
+    MCANOPEN_STEP_STARTED = 9, /* booted and started */
+    MCANOPEN_STEP_RETRY = 10,  /* waits to try again */
+    MCANOPEN_STEP_FAILED = 11  /* will not try again by itself */
+};
+
+/* How the boot of a node goes or went. */
+typedef struct {
+    int size;      /* in: sizeof(BOOT_RECORD_T) of the caller, so that the structure can grow */
+    int mandatory; /* 1: NMT_Mandatory_Slave */
+    int state;     /* NMT state as in mcanOpenGetNodeState */
+    int step;      /* MCANOPEN_STEP_... */
+    char letter;   /* CiA 302-2 status letter of the last try; 'L': was running; 0: none */
+    char booted;   /* 1: the boot ended well */
+    unsigned short index;    /* object of the last error or abort; 0: none */
+    unsigned short subindex;
+    unsigned int abortCode;  /* SDO abort code of it; 0: none */
+    unsigned int expected;   /* value in the configuration where the two differ */
+    unsigned int actual;     /* value read from the node */
+    unsigned int attempts;   /* boots begun since mcanOpenStart */
+    char name[64];           /* <Name> of the node, or "" */
+    char text[256];          /* what is missing or went wrong and what to do, one line, or "" */
+} BOOT_RECORD_T;
+
+/*
+ * Tells how the boot of node nodeID (1..127) stands. Set record->size first; no more bytes are
+ * written.
+ *
+ *   MCAL_NODE_NOT_EXISTEND  the node is not in the configuration
+ *   MCAL_PARA_ERROR         also: record->size is below that of the first version of the structure
+ */
+MCANOPEN_API int mcanOpenGetBootRecord(int net, int nodeID, BOOT_RECORD_T *record);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

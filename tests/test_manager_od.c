@@ -21,9 +21,9 @@ static void set_up(void)
                                       .nodes = nodes,
                                       .node_count = 3 };
     for (size_t i = 0; i < 3; i++)
-        nodes[i] = (struct node_config){
-            .node_id = ids[i], .nmt_slave = true, .auto_start_slave = true
-        };
+        nodes[i] = (struct node_config){ .node_id = ids[i],
+                                         .nmt_slave = true,
+                                         .auto_start_slave = true };
     od_init(&od);
 }
 

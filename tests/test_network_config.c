@@ -149,16 +149,16 @@ END_TEST
 
 START_TEST(test_node_values)
 {
-    struct network_config *config = config_parse_one(NODE(
-        "<Name>pump</Name><NMT_Slave>FALSE</NMT_Slave>"
-        "<NMT_Auto_Start_Slave>FALSE</NMT_Auto_Start_Slave>"
-        "<NMT_Mandatory_Slave>TRUE</NMT_Mandatory_Slave><Guard_Time>500</Guard_Time>"
-        "<Consumer_Heartbeat_Time>3000</Consumer_Heartbeat_Time>"
-        "<Device_Type_Identification>0x00000191</Device_Type_Identification>"
-        "<Vendor_Identification>0x17</Vendor_Identification><Product_Code>2</Product_Code>"
-        "<Revision_Number>3</Revision_Number><Serial_Number>4294967295</Serial_Number>\n"
-        "<DCF_File>pump \xC3\xA4.dcf</DCF_File><Old_Config_Style>TRUE</Old_Config_Style>"
-        "<NMT_Reset_Node>TRUE</NMT_Reset_Node><Boot_Delay>1</Boot_Delay>"));
+    struct network_config *config = config_parse_one(
+        NODE("<Name>pump</Name><NMT_Slave>FALSE</NMT_Slave>"
+             "<NMT_Auto_Start_Slave>FALSE</NMT_Auto_Start_Slave>"
+             "<NMT_Mandatory_Slave>TRUE</NMT_Mandatory_Slave><Guard_Time>500</Guard_Time>"
+             "<Consumer_Heartbeat_Time>3000</Consumer_Heartbeat_Time>"
+             "<Device_Type_Identification>0x00000191</Device_Type_Identification>"
+             "<Vendor_Identification>0x17</Vendor_Identification><Product_Code>2</Product_Code>"
+             "<Revision_Number>3</Revision_Number><Serial_Number>4294967295</Serial_Number>\n"
+             "<DCF_File>pump \xC3\xA4.dcf</DCF_File><Old_Config_Style>TRUE</Old_Config_Style>"
+             "<NMT_Reset_Node>TRUE</NMT_Reset_Node><Boot_Delay>1</Boot_Delay>"));
     const struct node_config *node = &config->nodes[0];
 
     ck_assert_str_eq(node->name, "pump");
@@ -259,8 +259,8 @@ static const struct bounds {
 /* Line 7 holds the element, whichever it is in. */
 static const char *element_file(const struct bounds *row, const char *value)
 {
-    static const char *const in_network = NET(ONE "\n<%s>%s</%s>\n"), *const in_node =
-        NODE("<%s>%s</%s>\n");
+    static const char *const in_network = NET(ONE "\n<%s>%s</%s>\n"), *const in_node = NODE(
+                                                                          "<%s>%s</%s>\n");
     static char text[1000];
 
     snprintf(text, sizeof text, row->in_node ? in_node : in_network, row->element, value,

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct scope { /* one of the elements that hold others, while it is read */
+struct scope {                         /* one of the elements that hold others, while it is read */
     const struct element_table *table; /* what it may hold; NULL: only the inner elements */
     const char *name, *inner;          /* inner: the element that holds others in it, or NULL */
     void *base;                        /* where the values go */

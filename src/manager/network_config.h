@@ -29,7 +29,7 @@ enum action_on_error { ACTION_RESET_SLAVE, ACTION_RESET_ALL, ACTION_STOP_ALL };
 struct node_config {
     unsigned line; /* of <Node_Instance> */
     uint8_t node_id;
-    char *name;         /* ours; NULL: none */
+    char *name; /* ours; NULL: none */
     bool nmt_slave;
     bool auto_start_slave;
     bool mandatory;
@@ -48,18 +48,18 @@ struct node_config {
     char *ccf_file;
     unsigned file_line; /* of DCF_File or CCF_File */
     bool old_config_style;
-    bool reset_node;       /* NMT_Reset_Node */
-    uint16_t boot_delay;   /* ms */
-    uint16_t sdo_timeout;  /* ms, not 0 */
-    bool indicate_size;    /* SDO_Segmented_Size_Indication */
-    bool save_configuration;        /* ours */
-    uint32_t configuration_date;    /* ours; 0: not given */
+    bool reset_node;             /* NMT_Reset_Node */
+    uint16_t boot_delay;         /* ms */
+    uint16_t sdo_timeout;        /* ms, not 0 */
+    bool indicate_size;          /* SDO_Segmented_Size_Indication */
+    bool save_configuration;     /* ours */
+    uint32_t configuration_date; /* ours; 0: not given */
     uint32_t configuration_time;
     uint32_t software_identification; /* ours, like the next three; 0: not compared */
     char *software_file;
     bool verify_configuration;
     uint8_t sdo_block_size; /* segments in a block; 0: no block transfer */
-    struct ccf ccf;        /* what to write to the device; filled by api/ from the file */
+    struct ccf ccf;         /* what to write to the device; filled by api/ from the file */
 };
 
 struct network_config {
@@ -67,9 +67,9 @@ struct network_config {
     uint8_t net;
     unsigned baudrate; /* kbit/s */
     uint8_t manager_node_id;
-    char *name;       /* ours */
-    char *interface;  /* ours: "can0", "virtual:demo"; NULL: by net number */
-    char *repository; /* Config_File_Repository, or NULL */
+    char *name;                       /* ours */
+    char *interface;                  /* ours: "can0", "virtual:demo"; NULL: by net number */
+    char *repository;                 /* Config_File_Repository, or NULL */
     uint16_t heartbeat_producer_time; /* ms; 0: off */
     uint16_t boot_time;               /* ms; 0: no limit */
     bool nmt_master;

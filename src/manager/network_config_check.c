@@ -18,8 +18,7 @@ static const struct not_yet {
     { "NMT_Allow_Software_Update", false, NULL, NULL, "the software update is not supported yet" },
     { "Software_Identification", false, NULL, NULL, "the software check is not supported yet" },
     { "Software_File", false, NULL, NULL, "the software update is not supported yet" },
-    { "Verify_Configuration", false, NULL, NULL,
-      "comparing before writing is not supported yet" },
+    { "Verify_Configuration", false, NULL, NULL, "comparing before writing is not supported yet" },
     { "SDO_Block_Size", false, NULL, NULL, "SDO block transfer is not supported yet" },
 };
 

@@ -7,11 +7,11 @@
 
 #define NAME_SIZE_MAX 64u /* nobody means an element by a longer name */
 
-#define MEMBER(type, member) \
+#define MEMBER(type, member)                                                                       \
     .offset = offsetof(struct type, member), .size = sizeof(((struct type *)0)->member)
-#define NETWORK(member)      MEMBER(network_config, member)
-#define NODE(member)         MEMBER(node_config, member)
-#define HAS(member)          .given = offsetof(struct network_config, member)
+#define NETWORK(member) MEMBER(network_config, member)
+#define NODE(member)    MEMBER(node_config, member)
+#define HAS(member)     .given = offsetof(struct network_config, member)
 
 /* The manual's data types, with range and default. */
 #define NUMBER(low, high, preset) ELEMENT_NUMBER, low, high, preset
@@ -28,17 +28,17 @@ static const struct element network_rows[] = {
     { "Baudrate", ELEMENT_BITRATE, 0, 0, 0, NETWORK(baudrate), .mandatory = true,
       .out_of_range = CO_ERR_BITRATE },
     { "Manager_Node_Id", NODE_ID(127), NETWORK(manager_node_id), .out_of_range = CO_ERR_ARG },
-    { "Name", ASCII, NETWORK(name) }, /* ours */
+    { "Name", ASCII, NETWORK(name) },           /* ours */
     { "Interface", ASCII, NETWORK(interface) }, /* ours */
     { "Config_File_Repository", ASCII, NETWORK(repository),
       .alias = "Config_File_Path" }, /* so in the manual's example */
     { "Heartbeat_Producer_Time", NUMBER(100, UINT16_MAX, 0),
-      NETWORK(heartbeat_producer_time) }, /* 1017h */
-    { "Boot_Time", NUMBER(100, UINT16_MAX, 0), NETWORK(boot_time) }, /* 1F89h */
-    { "NMT_Master", BOOL(true), NETWORK(nmt_master) }, /* 1F80h bit 0 */
-    { "NMT_Start_All", BOOL(false), NETWORK(start_all) }, /* 1F80h bit 1 */
+      NETWORK(heartbeat_producer_time) },                              /* 1017h */
+    { "Boot_Time", NUMBER(100, UINT16_MAX, 0), NETWORK(boot_time) },   /* 1F89h */
+    { "NMT_Master", BOOL(true), NETWORK(nmt_master) },                 /* 1F80h bit 0 */
+    { "NMT_Start_All", BOOL(false), NETWORK(start_all) },              /* 1F80h bit 1 */
     { "NMT_Auto_Operational", BOOL(true), NETWORK(auto_operational) }, /* 1F80h bit 2, inverted */
-    { "NMT_Auto_Start", BOOL(true), NETWORK(auto_start) }, /* 1F80h bit 3, inverted */
+    { "NMT_Auto_Start", BOOL(true), NETWORK(auto_start) },             /* 1F80h bit 3, inverted */
     { "NMT_Action_On_Error", ELEMENT_ACTION, 0, 0, ACTION_RESET_SLAVE,
       NETWORK(action_on_error) }, /* 1F80h bits 4 and 6 */
     { "Boot_Delay", USHORT(200), NETWORK(boot_delay) },
@@ -46,7 +46,7 @@ static const struct element network_rows[] = {
     { "NMT_Reset_All", BOOL(false), NETWORK(reset_all) },
     { "Preset_Emergency_Consumer", BOOL(false), NETWORK(preset_emergency_consumer) },
     { "Sync_Interval", ULONG(0), NETWORK(sync_interval),
-      HAS(has_sync_interval) }, /* 1005h, 1006h */
+      HAS(has_sync_interval) },                           /* 1005h, 1006h */
     { "Sync_Cob_Id", ULONG(0x80), NETWORK(sync_cob_id) }, /* 1005h */
     { "Manager_Thread_Priorities", INT16S, NETWORK(manager_priorities),
       HAS(has_manager_priorities) },
@@ -57,21 +57,21 @@ static const struct element network_rows[] = {
 
 static const struct element node_rows[] = {
     { "Node_Id", NODE_ID(0), NODE(node_id), .mandatory = true, .out_of_range = CO_ERR_ARG },
-    { "Name", ASCII, NODE(name) }, /* ours */
-    { "NMT_Slave", BOOL(true), NODE(nmt_slave) }, /* 1F81h bit 0 */
+    { "Name", ASCII, NODE(name) },                                  /* ours */
+    { "NMT_Slave", BOOL(true), NODE(nmt_slave) },                   /* 1F81h bit 0 */
     { "NMT_Auto_Start_Slave", BOOL(true), NODE(auto_start_slave) }, /* 1F81h bit 2 */
-    { "NMT_Mandatory_Slave", BOOL(false), NODE(mandatory) }, /* 1F81h bit 3 */
-    { "Guard_Time", USHORT(0), NODE(guard_time) }, /* 1F81h bytes 2, 3 */
-    { "Life_Time_Factor", UCHAR(0), NODE(life_time_factor) }, /* 1F81h byte 1 */
+    { "NMT_Mandatory_Slave", BOOL(false), NODE(mandatory) },        /* 1F81h bit 3 */
+    { "Guard_Time", USHORT(0), NODE(guard_time) },                  /* 1F81h bytes 2, 3 */
+    { "Life_Time_Factor", UCHAR(0), NODE(life_time_factor) },       /* 1F81h byte 1 */
     { "NMT_Check_Nodestate", BOOL(false), NODE(check_node_state) }, /* 1F81h bit 4 */
-    { "NMT_Verify_Software", BOOL(false), NODE(verify_software) }, /* 1F81h bit 5 */
+    { "NMT_Verify_Software", BOOL(false), NODE(verify_software) },  /* 1F81h bit 5 */
     { "NMT_Allow_Software_Update", BOOL(false), NODE(allow_software_update) }, /* 1F81h bit 6 */
-    { "Consumer_Heartbeat_Time", USHORT(0), NODE(consumer_heartbeat_time) }, /* 1016h */
-    { "Device_Type_Identification", ULONG(0), NODE(device_type) }, /* 1F84h */
-    { "Vendor_Identification", ULONG(0), NODE(vendor_id) }, /* 1F85h */
-    { "Product_Code", ULONG(0), NODE(product_code) }, /* 1F86h */
-    { "Revision_Number", ULONG(0), NODE(revision_number) }, /* 1F87h */
-    { "Serial_Number", ULONG(0), NODE(serial_number) }, /* 1F88h */
+    { "Consumer_Heartbeat_Time", USHORT(0), NODE(consumer_heartbeat_time) },   /* 1016h */
+    { "Device_Type_Identification", ULONG(0), NODE(device_type) },             /* 1F84h */
+    { "Vendor_Identification", ULONG(0), NODE(vendor_id) },                    /* 1F85h */
+    { "Product_Code", ULONG(0), NODE(product_code) },                          /* 1F86h */
+    { "Revision_Number", ULONG(0), NODE(revision_number) },                    /* 1F87h */
+    { "Serial_Number", ULONG(0), NODE(serial_number) },                        /* 1F88h */
     { "DCF_File", ASCII, NODE(dcf_file) },
     { "CCF_File", ASCII, NODE(ccf_file) },
     { "Old_Config_Style", BOOL(false), NODE(old_config_style) },
@@ -79,13 +79,13 @@ static const struct element node_rows[] = {
     { "Boot_Delay", USHORT(200), NODE(boot_delay) },
     { "SDO_Timeout", NUMBER(1, UINT16_MAX, 200), NODE(sdo_timeout) },
     { "SDO_Segmented_Size_Indication", BOOL(true), NODE(indicate_size) },
-    { "SDO_Block_Size", NUMBER(0, 127, 0), NODE(sdo_block_size) }, /* ours */
-    { "Save_Configuration", BOOL(false), NODE(save_configuration) }, /* ours */
-    { "Verify_Configuration", BOOL(false), NODE(verify_configuration) }, /* ours */
-    { "Configuration_Date", ULONG(0), NODE(configuration_date) }, /* ours, 1F26h */
-    { "Configuration_Time", ULONG(0), NODE(configuration_time) }, /* ours, 1F27h */
+    { "SDO_Block_Size", NUMBER(0, 127, 0), NODE(sdo_block_size) },          /* ours */
+    { "Save_Configuration", BOOL(false), NODE(save_configuration) },        /* ours */
+    { "Verify_Configuration", BOOL(false), NODE(verify_configuration) },    /* ours */
+    { "Configuration_Date", ULONG(0), NODE(configuration_date) },           /* ours, 1F26h */
+    { "Configuration_Time", ULONG(0), NODE(configuration_time) },           /* ours, 1F27h */
     { "Software_Identification", ULONG(0), NODE(software_identification) }, /* ours, 1F55h */
-    { "Software_File", ASCII, NODE(software_file) }, /* ours, 1F58h */
+    { "Software_File", ASCII, NODE(software_file) },                        /* ours, 1F58h */
 };
 
 _Static_assert(sizeof network_rows / sizeof *network_rows <= ELEMENTS_MAX, "too many rows");

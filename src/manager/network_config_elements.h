@@ -12,13 +12,14 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum element_kind { /* the manual's data types */
+/* The manual's data types. */
+enum element_kind {
     ELEMENT_NUMBER, /* UCHAR, USHORT, ULONG: by the range */
     ELEMENT_BITRATE,
     ELEMENT_INT16, /* several, separated by colons */
     ELEMENT_BOOL,
     ELEMENT_ASCII,
-    ELEMENT_ACTION /* the manual's only ENUM */
+    ELEMENT_ACTION /* the only ENUM */
 };
 
 struct element {

@@ -27,8 +27,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct co_report report = { .file = "fuzz.xml" };
     struct network_config *networks = NULL;
     size_t count = 0;
-    enum co_err err =
-        network_config_parse((const char *)data, size, &report, &networks, &count);
+    enum co_err err = network_config_parse((const char *)data, size, &report, &networks, &count);
 
     if ((err == CO_OK) != (report.errors == 0) || (err == CO_OK) != (networks != NULL))
         abort();

@@ -20,8 +20,7 @@ struct config_result *config_parse_bytes(const char *text, size_t size)
 
     memset(&result, 0, sizeof result);
     result.report = (struct co_report){ .file = "n.xml", .sink = collect, .context = &result };
-    result.err =
-        network_config_parse(text, size, &result.report, &result.networks, &result.count);
+    result.err = network_config_parse(text, size, &result.report, &result.networks, &result.count);
     return &result;
 }
 

@@ -5,8 +5,8 @@
 #include "manager/network_config.h"
 
 /* What stands in the network begins at line 5 of the file, in the node at line 7. */
-#define NET(inner)                                                                       \
-    "<CANopen_Manager>\n<Manager_Instance>\n<Net_No>0</Net_No>\n<Baudrate>500</Baudrate>\n" inner \
+#define NET(inner)                                                                                 \
+    "<CANopen_Manager>\n<Manager_Instance>\n<Net_No>0</Net_No>\n<Baudrate>500</Baudrate>\n" inner  \
     "</Manager_Instance>\n</CANopen_Manager>\n"
 #define NODE(inner) NET("<Node_Instance>\n<Node_Id>5</Node_Id>\n" inner "</Node_Instance>\n")
 #define ONE         "<Node_Instance><Node_Id>5</Node_Id></Node_Instance>\n"

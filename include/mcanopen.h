@@ -38,20 +38,21 @@ extern "C" {
 #define MCANOPEN_OK 0 /* done, nothing to say */
 
 /* Communication */
-#define MCAL_CAN_RX_TIMEOUT      (-1)  /* the node did not answer in time */
-#define MCAL_CAN_TX_TIMEOUT      (-2)  /* the frame could not go out in time: busy bus, no node */
-#define MCAL_CAN_TX_ERROR        (-3)  /* sending failed: interface down or gone */
-#define MCAL_CAN_CONTR_OFF_BUS   (-4)  /* the controller is bus-off */
-#define MCAL_CAN_CONTR_WARN      (-5)  /* a send timed out while the controller was error passive */
-#define MCAL_CAN_CONTR_BUSY      (-6)  /* the queue for frames to send is full */
+#define MCAL_CAN_RX_TIMEOUT    (-1) /* the node did not answer in time */
+#define MCAL_CAN_TX_TIMEOUT    (-2) /* the frame could not go out in time: busy bus, no node */
+#define MCAL_CAN_TX_ERROR      (-3) /* sending failed: interface down or gone */
+#define MCAL_CAN_CONTR_OFF_BUS (-4) /* the controller is bus-off */
+#define MCAL_CAN_CONTR_WARN    (-5) /* a send timed out while the controller was error passive */
+#define MCAL_CAN_CONTR_BUSY    (-6) /* the queue for frames to send is full */
 /* General */
-#define MCAL_PARA_ERROR          (-7)  /* an argument, or a value of the XML file, is not valid */
-#define MCAL_SYS_ERROR           (-8)  /* wrong order of calls, bad XML, unusable interface */
-#define MCAL_NO_NET              (-9)  /* this net is not configured, or went away while waiting */
-#define MCAL_OBJ_NO_MEMORY       (-10) /* no memory, thread or other resource of the system */
-#define MCAL_NODE_NOT_EXISTEND   (-11) /* the node is not in the configuration of this net */
-#define MCAL_NO_EVENT            (-12) /* no event is waiting */
-#define MCAL_UNSUPPORTED         (-13) /* a call that waits was made from a callback */
+#define MCAL_PARA_ERROR        (-7)  /* an argument, or a value of the XML file, is not valid */
+#define MCAL_SYS_ERROR         (-8)  /* wrong order of calls, bad XML, unusable interface */
+#define MCAL_NO_NET            (-9)  /* this net is not configured, or went away while waiting */
+#define MCAL_OBJ_NO_MEMORY     (-10) /* no memory, thread or other resource of the system */
+#define MCAL_NODE_NOT_EXISTEND (-11) /* the node is not in the configuration of this net */
+#define MCAL_NO_EVENT          (-12) /* no event is waiting */
+#define MCAL_UNSUPPORTED       (-13) /* a call that waits was made from a callback */
+#define MCAL_NODE_NOT_FREE     (-22) /* not now, the state of manager or node forbids it */
 /* SDO transfers */
 #define MCAL_WRONG_SERVER_ANSWER (-14) /* the node's answer breaks the SDO protocol */
 #define MCAL_TOGGLE_ERROR        (-15) /* the node's segments do not alternate their toggle bit */
@@ -59,10 +60,9 @@ extern "C" {
 #define MCAL_ABORT_DOMAIN        (-17) /* the node aborted the transfer; ERROR_T has its code */
 /* Left over from CAL, defined so that programs compile. This implementation never returns them: */
 #define MCAL_DOWNLOAD_ABORT_SLAVE (-18) /* there are no CAL slaves */
-#define MCAL_WRONG_SLAVE_ANSWER  (-19)  /* there are no CAL slaves */
-#define MCAL_WRONG_GUARD_ID      (-20)  /* CANopen fixes the identifier of guarding */
-#define MCAL_NEW_GUARD_PARA      (-21)  /* as above, so it cannot differ between files */
-#define MCAL_NODE_NOT_FREE       (-22)  /* mcanOpenNodeControl has nothing to take over */
+#define MCAL_WRONG_SLAVE_ANSWER   (-19) /* there are no CAL slaves */
+#define MCAL_WRONG_GUARD_ID       (-20) /* CANopen fixes the identifier of guarding */
+#define MCAL_NEW_GUARD_PARA       (-21) /* as above, so it cannot differ between files */
 
 /* Configuration files, from mcanOpenConfig; mcanOpenGetErrorText tells file and line */
 #define CANOPEN_DCF_INIT_ERROR      (-101) /* a DCF or CCF file cannot be opened */
@@ -142,10 +142,12 @@ typedef struct {
  * Messages: the least significant byte of event. Numbers count for each member of para on their
  * own.
  */
-enum { /* with PARA_C, para.c */
+/* with PARA_C, para.c */
+enum {
     MCANOPEN_MSG_BOOT_ERROR = 1 /* a boot try failed; c: the status letter of CiA 302-2, 'A'..'O' */
 };
-enum { /* with PARA_UC, para.uc */
+/* with PARA_UC, para.uc */
+enum {
     MCANOPEN_MSG_NODE_STATE = 1,    /* a node has a new NMT state, uc */
     MCANOPEN_MSG_BOOT_UP = 2,       /* a node has sent its boot-up message; uc: 0 */
     MCANOPEN_MSG_NODE_STARTED = 3,  /* the manager has started a node; uc: its NMT state as known */
@@ -153,29 +155,35 @@ enum { /* with PARA_UC, para.uc */
     MCANOPEN_MSG_NETWORK_UP = 5,    /* NOD_NOT_VAL; the network is up; uc: nodes booted */
     MCANOPEN_MSG_NODE_BOOTED = 6    /* a node's boot ended well; uc: 'L' was running, or 0 */
 };
-enum { /* with PARA_US, para.us */
+/* with PARA_US, para.us */
+enum {
     MCANOPEN_MSG_HEARTBEAT_LOST = 1, /* us: the consumer heartbeat time that has passed, ms */
     MCANOPEN_MSG_HEARTBEAT_BACK = 2, /* us: as above */
     MCANOPEN_MSG_BOOT_TIME_OVER = 3  /* NOD_NOT_VAL; mandatory node missing; us: Boot_Time, ms */
 };
-enum { /* with PARA_I, para.i */
-    MCANOPEN_MSG_BUS_STATE = 1,          /* NOD_NOT_VAL; i: MCANOPEN_BUS_... */
-    MCANOPEN_MSG_GUARDING_TOGGLE = 0x22  /* guarding answer with wrong toggle bit; i: how many */
+/* with PARA_I, para.i */
+enum {
+    MCANOPEN_MSG_BUS_STATE = 1,         /* NOD_NOT_VAL; i: MCANOPEN_BUS_... */
+    MCANOPEN_MSG_GUARDING_TOGGLE = 0x22 /* guarding answer with wrong toggle bit; i: how many */
 };
-enum { /* with PARA_UL, para.ul */
+/* with PARA_UL, para.ul */
+enum {
     MCANOPEN_MSG_EMERGENCY = 1,   /* ul: error code in bits 0..15, error register in bits 16..23 */
     MCANOPEN_MSG_EVENTS_LOST = 2, /* NET_NOT_VAL and NOD_NOT_VAL; ul: events dropped, queue full */
     MCANOPEN_MSG_FRAMES_LOST = 3  /* NOD_NOT_VAL; ul: frames that the interface has dropped */
 };
-enum { /* with PARA_WRITE, para.write */
+/* with PARA_WRITE, para.write */
+enum {
     MCANOPEN_MSG_CONFIGURATION_ABORTED = 1, /* a node refused a value of its configuration */
     MCANOPEN_MSG_BOOT_READ_ABORTED = 2      /* a node refused a read that its boot needs */
 };
-enum { /* with PARA_STR, para.str */
+/* with PARA_STR, para.str */
+enum {
     MCANOPEN_MSG_TEXT = 1 /* what went wrong, cut to 63 characters; the log has all of it */
 };
 
-enum { /* of MCANOPEN_MSG_BUS_STATE */
+/* of MCANOPEN_MSG_BUS_STATE */
+enum {
     MCANOPEN_BUS_ACTIVE = 0,
     MCANOPEN_BUS_WARNING = 1,
     MCANOPEN_BUS_PASSIVE = 2,
@@ -183,7 +191,8 @@ enum { /* of MCANOPEN_MSG_BUS_STATE */
     MCANOPEN_BUS_DOWN = 4 /* the interface is down or gone */
 };
 
-enum { /* NMT states as mcanOpenGetNodeState, events and records give them (CiA 301, 7.2.8) */
+/* NMT states as mcanOpenGetNodeState, events and records give them (CiA 301, 7.2.8) */
+enum {
     MCANOPEN_STATE_OFFLINE = 0x00, /* never heard, lost, or in reset */
     MCANOPEN_STATE_STOPPED = 0x04,
     MCANOPEN_STATE_OPERATIONAL = 0x05,
@@ -336,8 +345,8 @@ MCANOPEN_API int mcanOpenNodeControl(int net, int nodeID, long flags);
  *   EnterPreop  NMT enter pre-operational
  *
  *   MCAL_NODE_NOT_EXISTEND  the node is not in the configuration
- *   MCAL_SYS_ERROR          also: the manager is not started or not the NMT master; start before
- *                           the manager is operational
+ *   MCAL_NODE_NOT_FREE      not now: the manager is not started, not the NMT master or busy with
+ *                           the boot of the node; start before the manager is operational
  *   MCAL_CAN_TX_TIMEOUT, MCAL_CAN_TX_ERROR, MCAL_CAN_CONTR_OFF_BUS, MCAL_CAN_CONTR_WARN,
  *   MCAL_CAN_CONTR_BUSY     the command could not be sent
  */
@@ -348,7 +357,8 @@ MCANOPEN_API int mcanOpenEnterPreop(int net, int nodeID);
 
 /* ours ----------------------------------------------------------------------------------------- */
 
-enum { /* levels of log texts */
+/* levels of log texts */
+enum {
     MCANOPEN_LOG_ERROR = 0,
     MCANOPEN_LOG_WARNING = 1,
     MCANOPEN_LOG_INFO = 2 /* the steps of the boot */
@@ -385,7 +395,8 @@ MCANOPEN_API const char *mcanOpenGetErrorText(void);
  */
 MCANOPEN_API int mcanOpenEventText(const EVENT_T *event, char *text, int size);
 
-enum { /* where the boot of a node stands */
+/* where the boot of a node stands */
+enum {
     MCANOPEN_STEP_IDLE = 0, /* not begun, or not booted by the manager */
     MCANOPEN_STEP_RESET = 1,
     MCANOPEN_STEP_DEVICE_TYPE = 2,         /* 1000h */
@@ -408,14 +419,14 @@ typedef struct {
     int step;      /* MCANOPEN_STEP_... */
     char letter;   /* CiA 302-2 status letter of the last try; 'L': was running; 0: none */
     char booted;   /* 1: the boot ended well */
-    unsigned short index;    /* object of the last error or abort; 0: none */
+    unsigned short index; /* object of the last error or abort; 0: none */
     unsigned short subindex;
-    unsigned int abortCode;  /* SDO abort code of it; 0: none */
-    unsigned int expected;   /* value in the configuration where the two differ */
-    unsigned int actual;     /* value read from the node */
-    unsigned int attempts;   /* boots begun since mcanOpenStart */
-    char name[64];           /* <Name> of the node, or "" */
-    char text[256];          /* what is missing or went wrong and what to do, one line, or "" */
+    unsigned int abortCode; /* SDO abort code of it; 0: none */
+    unsigned int expected;  /* value in the configuration where the two differ */
+    unsigned int actual;    /* value read from the node */
+    unsigned int attempts;  /* boots begun since mcanOpenStart */
+    char name[64];          /* <Name> of the node, or "" */
+    char text[256];         /* what is missing or went wrong and what to do, one line, or "" */
 } BOOT_RECORD_T;
 
 /*

@@ -65,27 +65,26 @@ typedef struct {
     HPDO handle; /* set by DECLARE_PDO: _PDO_Table_Pdos[0].handle is that of the first PDO */
 } _COS_PDO_ENTRY;
 
+/* clang-format off */
+
 /*
  * Objects with or without a time in their handlers. A record gets sub-index 0 by itself; its
  * DataType has one type for all sub-indices, or one for each.
  */
-#define BEGIN_DICTIONARY_TABLE(DictionaryName)                 \
-    enum { _Dict_Kind_##DictionaryName = 0 };                  \
-    static const _COS_DICT_ENTRY _Dict_Entry_##DictionaryName[] \
-        MCANOPEN_MAYBE_UNUSED = {
+#define BEGIN_DICTIONARY_TABLE(DictionaryName) \
+    enum { _Dict_Kind_##DictionaryName = 0 }; \
+    static const _COS_DICT_ENTRY _Dict_Entry_##DictionaryName[] MCANOPEN_MAYBE_UNUSED = {
 
-#define BEGIN_DICTIONARY_TABLE_TS(DictionaryName)                  \
-    enum { _Dict_Kind_##DictionaryName = 1 };                      \
-    static const _COS_DICT_ENTRY_TS _Dict_Entry_##DictionaryName[] \
-        MCANOPEN_MAYBE_UNUSED = {
+#define BEGIN_DICTIONARY_TABLE_TS(DictionaryName) \
+    enum { _Dict_Kind_##DictionaryName = 1 }; \
+    static const _COS_DICT_ENTRY_TS _Dict_Entry_##DictionaryName[] MCANOPEN_MAYBE_UNUSED = {
 
 #define DICTIONARY_ENTRY(Index, Subindex, ObjectType, DataType, Flags, Data, Handler, EntryName) \
-    { (Index), (Subindex), (ObjectType), (DataType), (Flags), (Data), (Handler), (EntryName) },
+        { (Index), (Subindex), (ObjectType), (DataType), (Flags), (Data), (Handler), (EntryName) },
 
-#define END_DICTIONARY_TABLE()                \
-    { 0, 0, 0, NULL, 0, NULL, NULL, NULL } \
-    }                                         \
-    ;
+#define END_DICTIONARY_TABLE() \
+        { 0, 0, 0, NULL, 0, NULL, NULL, NULL } \
+    };
 
 #define END_DICTIONARY_TABLE_TS() END_DICTIONARY_TABLE()
 
@@ -95,36 +94,37 @@ typedef struct {
 #define MAPPING_ENTRY(Index, Subindex) (Index), (Subindex),
 
 #define END_MAPPING_TABLE() \
-    0, 0                    \
-    }                       \
-    ;
+        0, 0 \
+    };
 
 #define BEGIN_PDO_TABLE(PDO_Name) \
     static _COS_PDO_ENTRY _PDO_Table_##PDO_Name[] MCANOPEN_MAYBE_UNUSED = {
 
 /* Reserved goes on as the event timer, ms; 0: off. */
 #define PDO_ENTRY(COBid, TransMode, InhibitTime, TxTout, RxTout, Reserved, Mapping) \
-    { (COBid),    (TransMode),         (InhibitTime), (TxTout), (RxTout),           \
-      (Reserved), _Mapping_##Mapping, NULL },
+        { (COBid), (TransMode), (InhibitTime), (TxTout), (RxTout), (Reserved), \
+          _Mapping_##Mapping, NULL },
 
 #define PDO_ENTRY_UNMAPPED(COBid, TransMode, InhibitTime, TxTout, RxTout, Reserved) \
-    { (COBid), (TransMode), (InhibitTime), (TxTout), (RxTout), (Reserved), NULL, NULL },
+        { (COBid), (TransMode), (InhibitTime), (TxTout), (RxTout), (Reserved), NULL, NULL },
 
-#define END_PDO_TABLE()              \
-    { 0, 0, 0, 0, 0, 0, NULL, NULL } \
-    }                                \
-    ;
+#define END_PDO_TABLE() \
+        { 0, 0, 0, 0, 0, 0, NULL, NULL } \
+    };
 
-#define DECLARE_DICTIONARY(hNode, DictionaryName)                               \
-    canopen_declare_dictionary_(                                                \
-        (hNode), _Dict_Entry_##DictionaryName,                                  \
+/* The last entry of a table is that of its END macro and does not count. */
+#define DECLARE_DICTIONARY(hNode, DictionaryName) \
+    canopen_declare_dictionary_( \
+        (hNode), _Dict_Entry_##DictionaryName, \
         sizeof _Dict_Entry_##DictionaryName / sizeof _Dict_Entry_##DictionaryName[0] - 1, \
         _Dict_Kind_##DictionaryName)
 
-#define DECLARE_PDO(hNode, PDO_Name)                \
-    canopen_declare_pdos_(                          \
-        (hNode), _PDO_Table_##PDO_Name,             \
+#define DECLARE_PDO(hNode, PDO_Name) \
+    canopen_declare_pdos_( \
+        (hNode), _PDO_Table_##PDO_Name, \
         sizeof _PDO_Table_##PDO_Name / sizeof _PDO_Table_##PDO_Name[0] - 1)
+
+/* clang-format on */
 
 /* what the macros above are made of, not for use by itself ------------------------------------- */
 
@@ -253,7 +253,7 @@ MCANOPEN_INLINE int canopen_extend_by_pointers_(HNODE node, unsigned short index
     return canOpenExtendDictionary(node, index, count, object, types);
 }
 
-#define canOpenExtendDictionary(HNode, Index, Subentries, ObjectType, DataType) \
+#define canOpenExtendDictionary(HNode, Index, Subentries, ObjectType, DataType)                    \
     _Generic((DataType),                                                        \
              char **: canopen_extend_by_pointers_,                              \
              const char **: canopen_extend_by_pointers_,                        \

@@ -52,7 +52,8 @@ typedef struct canopen_dictionary_handle *HDICT;
 typedef HNODE HNDO;
 typedef HNODE HND0;
 
-enum { /* NMT states of a local node (CiA 301, 7.3.2.2) */
+/* NMT states of a local node (CiA 301, 7.3.2.2). */
+enum {
     NodeInit = 0x00, /* created or reset, not on the bus */
     NodeOffline = NodeInit,
     NodeStopped = 0x04,
@@ -226,7 +227,7 @@ typedef int (*PFN_COS_EVENT_HANDLER_OLD)(int NetAndNode, int Event, int Arg1, in
  */
 typedef struct {
     unsigned long ulOptions;
-    unsigned long ulEventMask; /* the kinds of events for the handler, EV_... combined; 0: none */
+    unsigned long ulEventMask;  /* the kinds of events for the handler, EV_... combined; 0: none */
     unsigned long ulDeviceType; /* 1000h */
     unsigned short usRxPDO;     /* how many received PDOs at most, 0..512 */
     unsigned short usTxPDO;     /* how many transmitted PDOs at most, 0..512 */
@@ -242,13 +243,13 @@ typedef struct {
         const char *pszDeviceName;
         const char *pszDevicename;
     };
-    const char *pszHwVersion;       /* MANUFACTURER_INFO: 1009h */
-    const char *pszSwVersion;       /* MANUFACTURER_INFO: 100Ah */
-    unsigned long ulSyncCobID;      /* SYNCHRON_PDOS, SYNC_GENERATION: 1005h */
-    unsigned long ulCyclePeriod;    /* SYNC_GENERATION: 1006h, us; 0: no SYNC */
-    unsigned long ulSyncWindowLen;  /* reserved */
-    unsigned long ulTimestampCobId; /* reserved */
-    unsigned long ulEmcyCobId;      /* 1014h; 0: DEFAULT_EMCY_COBID */
+    const char *pszHwVersion;         /* MANUFACTURER_INFO: 1009h */
+    const char *pszSwVersion;         /* MANUFACTURER_INFO: 100Ah */
+    unsigned long ulSyncCobID;        /* SYNCHRON_PDOS, SYNC_GENERATION: 1005h */
+    unsigned long ulCyclePeriod;      /* SYNC_GENERATION: 1006h, us; 0: no SYNC */
+    unsigned long ulSyncWindowLen;    /* reserved */
+    unsigned long ulTimestampCobId;   /* reserved */
+    unsigned long ulEmcyCobId;        /* 1014h; 0: DEFAULT_EMCY_COBID */
     const unsigned long *pulListCHBT; /* CONSUMER_HEARTBEAT: CHBT_ENTRY ... END_OF_CHBT_LIST */
     unsigned short usEmcyInhibit;     /* 1015h, ms, at most 6553 */
     unsigned short usGuardTime;       /* GUARDING: 100Ch, ms */
@@ -393,21 +394,21 @@ typedef struct {
 
 /* The member for the type of the entry. */
 typedef union {
-    RecBool boolean;       /* TYP_BOOL */
-    RecInt8 int8;          /* TYP_INT8, TYP_CHAR */
-    RecInt16 int16;        /* TYP_INT16 */
-    RecInt32 int32;        /* TYP_INT32 */
-    RecInt64 int64;        /* TYP_INT64, ours */
-    RecUint8 uint8;        /* TYP_UINT8 */
-    RecUint16 uint16;      /* TYP_UINT16 */
-    RecUint32 uint32;      /* TYP_UINT32 */
-    RecUint64 uint64;      /* TYP_UINT64, ours */
-    RecFloat float32;      /* TYP_FLOAT */
-    RecDouble float64;     /* TYP_DOUBLE, ours */
-    RecVisString visstring; /* TYP_VIS_STRING */
-    RecOctString octstring; /* TYP_OCT_STRING */
-    RecDomain domain;       /* TYP_DOMAIN */
-    RecTimeOfDay timeofday; /* TYP_TIME_OF_DAY */
+    RecBool boolean;                  /* TYP_BOOL */
+    RecInt8 int8;                     /* TYP_INT8, TYP_CHAR */
+    RecInt16 int16;                   /* TYP_INT16 */
+    RecInt32 int32;                   /* TYP_INT32 */
+    RecInt64 int64;                   /* TYP_INT64, ours */
+    RecUint8 uint8;                   /* TYP_UINT8 */
+    RecUint16 uint16;                 /* TYP_UINT16 */
+    RecUint32 uint32;                 /* TYP_UINT32 */
+    RecUint64 uint64;                 /* TYP_UINT64, ours */
+    RecFloat float32;                 /* TYP_FLOAT */
+    RecDouble float64;                /* TYP_DOUBLE, ours */
+    RecVisString visstring;           /* TYP_VIS_STRING */
+    RecOctString octstring;           /* TYP_OCT_STRING */
+    RecDomain domain;                 /* TYP_DOMAIN */
+    RecTimeOfDay timeofday;           /* TYP_TIME_OF_DAY */
     RecTimeDifference timedifference; /* TYP_TIME_DIFFERENCE */
 } DictionaryData, *pDictionaryData;
 

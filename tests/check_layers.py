@@ -25,7 +25,8 @@ LAYERS = {  # layer: whose headers it may include besides its own
     "api": "base od dcf slave manager runtime",
 }
 PURE = {"base", "od", "dcf", "proto", "slave", "manager"}  # no operating system in there
-PUBLIC_HEADERS = {"mcanopen.h", "scanopen.h", "paraInfo.h", "mcanopen_types.h"}
+PUBLIC_HEADERS = {"mcanopen.h", "scanopen.h", "paraInfo.h", "mcanopen_types.h",
+                  "scanopen_types.h", "scanopen_tables.h"}
 PUBLIC_LAYERS = {"api"}
 
 # Machines of proto/ do not know each other; headers that are no machine's are shared by all.

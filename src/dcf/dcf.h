@@ -20,19 +20,19 @@
 #include <stdint.h>
 
 enum dcf_error { /* kinds for co_report_kind(); api/ maps them to CANOPEN_DCF_... */
-    DCF_ERROR_NONE,
-    DCF_ERROR_MEMORY,
-    DCF_ERROR_MISSING_SECTION,
-    DCF_ERROR_MISSING_ENTRY,
-    DCF_ERROR_WRONG_PARAMETER,
-    DCF_ERROR_OUT_OF_RANGE,
-    DCF_ERROR_OUT_OF_LIMITS,
-    DCF_ERROR_DOUBLE_SECTION,
-    DCF_ERROR_DOUBLE_KEYWORD,
-    DCF_ERROR_UNKNOWN_KEYWORD,
-    DCF_ERROR_WRONG_NODE_ID,
-    DCF_ERROR_WRONG_BAUDRATE,
-    DCF_ERROR_WRONG_MODULE_NO
+                 DCF_ERROR_NONE,
+                 DCF_ERROR_MEMORY,
+                 DCF_ERROR_MISSING_SECTION,
+                 DCF_ERROR_MISSING_ENTRY,
+                 DCF_ERROR_WRONG_PARAMETER,
+                 DCF_ERROR_OUT_OF_RANGE,
+                 DCF_ERROR_OUT_OF_LIMITS,
+                 DCF_ERROR_DOUBLE_SECTION,
+                 DCF_ERROR_DOUBLE_KEYWORD,
+                 DCF_ERROR_UNKNOWN_KEYWORD,
+                 DCF_ERROR_WRONG_NODE_ID,
+                 DCF_ERROR_WRONG_BAUDRATE,
+                 DCF_ERROR_WRONG_MODULE_NO
 };
 
 struct dcf_value { /* as in the file */
@@ -105,15 +105,20 @@ enum co_err dcf_make_od(const struct dcf *self, uint8_t node_id, struct co_repor
 struct dcf_ccf_options {
     uint8_t node_id;
     bool old_style; /* PDO mapping: the number of entries first (Old_Config_Style) */
-    /* Gives the contents of a DownloadFile named in the DCF; NULL: such an entry is an error. */
-    enum co_err (*read_file)(void *context, const char *name, uint8_t **ret_bytes, size_t *ret_size);
+    /* Gives the contents of a DownloadFile named in the DCF, which are freed by free(); NULL: such an
+     * entry is an error. */
+    enum co_err (*read_file)(void *context, const char *name, uint8_t **ret_bytes,
+                             size_t *ret_size);
     void *context;
 };
 
 /*
  * The writes that bring a device with default values to the ParameterValues of the file, in the order
- * that devices need: the other objects by index; each PDO switched off, parameters, mapping, switched
- * on; SYNC, error control; 1020h last. CO_ERR_MEMORY, CO_ERR_VALUE (told in the report).
+ * that devices need: the other objects by index; SYNC (1019h, 1006h, 1005h); error control (100Ch,
+ * 100Dh, 1016h, 1017h); each PDO switched off, its parameters, its mapping, switched on; 1020h last.
+ * Read-only entries, those that ObjFlags protects, and 1000h, 1001h, 1010h, 1011h, 1018h, 1200h, 1F50h
+ * and 1F51h are left out. The result is never without its count. CO_ERR_MEMORY, CO_ERR_VALUE (told in
+ * the report).
  */
 enum co_err dcf_make_ccf(const struct dcf *self, const struct dcf_ccf_options *options,
                          struct co_report *report, struct ccf *ret_ccf);

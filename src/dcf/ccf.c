@@ -1,0 +1,157 @@
+#include "dcf/ccf.h"
+
+#include "base/bytes.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define COUNT_SIZE  4u
+#define HEADER_SIZE 7u /* index, sub-index, size */
+
+void ccf_init(struct ccf *self)
+{
+    *self = (struct ccf){ .size = 0 };
+}
+
+void ccf_done(struct ccf *self)
+{
+    free(self->bytes);
+    ccf_init(self);
+}
+
+uint32_t ccf_count(const struct ccf *self)
+{
+    return self->size < COUNT_SIZE ? 0 : get_le32(self->bytes);
+}
+
+static enum co_err make_room(struct ccf *self, size_t more)
+{
+    size_t room = self->room < 64 ? 64 : self->room;
+    uint8_t *bytes;
+
+    if (more > SIZE_MAX / 2 - self->size)
+        return CO_ERR_MEMORY;
+    while (room < self->size + more)
+        room *= 2;
+    if (room == self->room)
+        return CO_OK;
+    bytes = realloc(self->bytes, room);
+    if (!bytes)
+        return CO_ERR_MEMORY;
+    self->bytes = bytes;
+    self->room = room;
+    return CO_OK;
+}
+
+enum co_err ccf_append(struct ccf *self, uint16_t index, uint8_t sub, const uint8_t *value,
+                       uint32_t size)
+{
+    size_t start = self->size < COUNT_SIZE ? COUNT_SIZE : self->size;
+    uint32_t count = ccf_count(self);
+    uint8_t *entry;
+
+    if (count == UINT32_MAX || make_room(self, (size_t)COUNT_SIZE + HEADER_SIZE + size) != CO_OK)
+        return CO_ERR_MEMORY;
+    entry = self->bytes + start;
+    put_le16(entry, index);
+    entry[2] = sub;
+    put_le32(entry + 3, size);
+    if (size > 0)
+        memcpy(entry + HEADER_SIZE, value, size);
+    put_le32(self->bytes, count + 1);
+    self->size = start + HEADER_SIZE + size;
+    return CO_OK;
+}
+
+/* Steps over one entry; what is wrong with it goes to the report. */
+static enum co_err skip_entry(const uint8_t *bytes, size_t size, uint32_t number,
+                              struct co_report *report, size_t *position)
+{
+    size_t left = size - *position;
+    uint32_t value_size;
+
+    if (left < HEADER_SIZE) {
+        co_report_add(report, CO_ERROR, 0,
+                      "entry %lu of %lu at byte %zu: %u bytes of header expected, %zu are left",
+                      (unsigned long)number, (unsigned long)get_le32(bytes), *position, HEADER_SIZE,
+                      left);
+        return CO_ERR_FORMAT;
+    }
+    left -= HEADER_SIZE;
+    value_size = get_le32(bytes + *position + 3);
+    if (left < value_size) {
+        co_report_add(report, CO_ERROR, 0,
+                      "entry %lu of %lu at byte %zu (%04Xh:%02X): a value of %lu bytes expected, "
+                      "%zu are left",
+                      (unsigned long)number, (unsigned long)get_le32(bytes), *position,
+                      get_le16(bytes + *position), bytes[*position + 2], (unsigned long)value_size,
+                      left);
+        return CO_ERR_FORMAT;
+    }
+    *position += HEADER_SIZE + (size_t)value_size;
+    return CO_OK;
+}
+
+static enum co_err check(const uint8_t *bytes, size_t size, struct co_report *report)
+{
+    size_t position = COUNT_SIZE;
+    uint32_t count;
+
+    if (size < COUNT_SIZE) {
+        co_report_add(report, CO_ERROR, 0,
+                      "a concise DCF begins with a count of %u bytes, the file has %zu", COUNT_SIZE,
+                      size);
+        return CO_ERR_FORMAT;
+    }
+    count = get_le32(bytes);
+    for (uint32_t i = 0; i < count; i++) {
+        if (skip_entry(bytes, size, i + 1, report, &position) != CO_OK)
+            return CO_ERR_FORMAT;
+    }
+    if (position < size) {
+        co_report_add(report, CO_ERROR, 0,
+                      "the %lu entries of the count end at byte %zu, %zu more bytes follow",
+                      (unsigned long)count, position, size - position);
+        return CO_ERR_FORMAT;
+    }
+    return CO_OK;
+}
+
+enum co_err ccf_parse(const uint8_t *bytes, size_t size, struct co_report *report,
+                      struct ccf *ret_ccf)
+{
+    struct ccf ccf;
+
+    if (check(bytes, size, report) != CO_OK)
+        return CO_ERR_FORMAT;
+    ccf_init(&ccf);
+    if (make_room(&ccf, size) != CO_OK)
+        return CO_ERR_MEMORY;
+    memcpy(ccf.bytes, bytes, size);
+    ccf.size = size;
+    *ret_ccf = ccf;
+    return CO_OK;
+}
+
+void ccf_reader_init(struct ccf_reader *self, const struct ccf *ccf)
+{
+    *self = (struct ccf_reader){
+        .bytes = ccf->bytes, .size = ccf->size, .position = COUNT_SIZE, .left = ccf_count(ccf)
+    };
+}
+
+bool ccf_read(struct ccf_reader *self, struct ccf_entry *ret_entry)
+{
+    const uint8_t *entry;
+
+    if (self->left == 0)
+        return false;
+    entry = self->bytes + self->position;
+    *ret_entry = (struct ccf_entry){ .index = get_le16(entry),
+                                     .sub = entry[2],
+                                     .size = get_le32(entry + 3),
+                                     .value = entry + HEADER_SIZE };
+    self->position += HEADER_SIZE + (size_t)ret_entry->size;
+    self->left--;
+    return true;
+}

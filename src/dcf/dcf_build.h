@@ -1,0 +1,90 @@
+/*
+ * Building the description: what the parts of the reader share. Only for src/dcf/.
+ */
+#ifndef CO_DCF_DCF_BUILD_H
+#define CO_DCF_DCF_BUILD_H
+
+#include "dcf/dcf.h"
+#include "dcf/dcf_convert.h"
+#include "dcf/dcf_lexer.h"
+
+#define DCF_ENTRIES_MAX 131072u /* what two lines can ask for must not take all memory */
+
+struct dcf_builder {
+    struct dcf *dcf;
+    struct dcf_text text;
+    struct co_report *report;
+    bool no_memory;      /* once set, the rest is only passed through */
+    uint8_t compact_pdo; /* [DeviceInfo] CompactPDO */
+    unsigned no_name;    /* entries without ParameterName, and the first one's line */
+    unsigned no_name_line;
+};
+
+/* Errors with their kind; dcf_builder-less so that make_od and make_ccf have it too. */
+void dcf_error_add(struct co_report *report, enum dcf_error kind, unsigned line, const char *format,
+                   ...) __attribute__((format(printf, 4, 5)));
+
+/* dcf_info.c */
+void dcf_build_info(struct dcf_builder *self);
+
+/* dcf_lists.c: object lists against sections; NrOfRXPDO and NrOfTXPDO; [ConnectedModules] */
+void dcf_check_lists(struct dcf_builder *self);
+void dcf_check_modules(struct dcf_builder *self);
+
+/* dcf_objects.c */
+void dcf_build_objects(struct dcf_builder *self);
+/* A new entry at the end, or NULL: too many or no memory. */
+struct dcf_entry *dcf_build_entry(struct dcf_builder *self, uint16_t index, uint8_t sub);
+
+/* dcf_entry.c: one section's keys into an entry */
+void dcf_fill_entry(struct dcf_builder *self, struct dcf_section *section, struct dcf_entry *entry);
+
+/* dcf_compact.c */
+void dcf_build_compact(struct dcf_builder *self, struct dcf_section *section, unsigned count);
+void dcf_apply_compact_lists(struct dcf_builder *self);
+
+/* dcf_compact_pdo.c */
+void dcf_build_compact_pdos(struct dcf_builder *self);
+
+/* dcf_check.c: limits against values, when all sections have been read */
+void dcf_check_values(struct dcf_builder *self);
+
+/* dcf_keys.c: keys of a section as numbers and texts, with their messages */
+
+/* The number of a key; 'missing' where it is not given or no number up to 'most' (warning). */
+uint32_t dcf_key_number(struct dcf_builder *self, struct dcf_section *section, const char *name,
+                        uint32_t most, uint32_t missing);
+bool dcf_key_flag(struct dcf_builder *self, struct dcf_section *section, const char *name);
+/* Replaces *text by a copy of the key's value, where it is given. */
+void dcf_key_text(struct dcf_builder *self, struct dcf_section *section, const char *name,
+                  char **text);
+/* The key as a value of an entry: one that is not valid is an error if 'strict', else a warning. */
+void dcf_key_value(struct dcf_builder *self, const struct dcf_section *section,
+                   const struct dcf_key *key, uint8_t type, bool strict, struct dcf_value *value);
+void dcf_tell_unused(struct dcf_builder *self, const struct dcf_section *section);
+
+/* A number or text that is not in the file. */
+void dcf_set_number(struct dcf_builder *self, struct dcf_value *value, uint32_t size,
+                    uint32_t number);
+void dcf_set_text(struct dcf_builder *self, char **text, const char *value);
+
+/* dcf.c */
+/* The entries of one object, or NULL and a count of 0. */
+const struct dcf_entry *dcf_object(const struct dcf *self, uint16_t index, size_t *ret_count);
+bool dcf_has_object(const struct dcf *self, uint16_t index);
+void dcf_entry_done(struct dcf_entry *entry);
+void dcf_value_done(struct dcf_value *value);
+
+/* dcf_check.c */
+
+/*
+ * True for what a configuration writes: not ro or const, not refused by ObjFlags, not an object
+ * that configurations leave alone (1010h, 1018h, ...).
+ */
+bool dcf_entry_downloads(const struct dcf_entry *entry);
+/* An integer value, sign-extended, with the node-ID added. */
+uint64_t dcf_value_number(const struct dcf_value *value, uint8_t type, uint8_t node_id);
+/* False: a formula that leaves its type with this node-ID. */
+bool dcf_formula_fits(const struct dcf_value *value, uint8_t node_id);
+
+#endif

@@ -1,0 +1,146 @@
+/* Compact objects: one section describes all sub-indices, others their names and values. */
+#include "dcf/dcf_build.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define OBJECT_ARRAY 8u
+
+#define ERROR_FIELD 0x1003u
+
+static bool is_mapping(uint16_t index)
+{
+    return (index >= 0x1600 && index <= 0x17FF) || (index >= 0x1A00 && index <= 0x1BFF);
+}
+
+static void copy_value(struct dcf_builder *self, const struct dcf_value *from, struct dcf_value *to)
+{
+    *to = *from;
+    to->bytes = NULL;
+    if (!from->given)
+        return;
+    to->bytes = malloc(from->size ? from->size : 1);
+    if (!to->bytes) {
+        self->no_memory = true;
+        to->given = false;
+        return;
+    }
+    memcpy(to->bytes, from->bytes, from->size);
+}
+
+static void build_highest_sub(struct dcf_builder *self, const struct dcf_section *section,
+                              unsigned count, uint8_t access)
+{
+    struct dcf_entry *entry = dcf_build_entry(self, section->index, 0);
+    bool counts = section->index == ERROR_FIELD || is_mapping(section->index);
+
+    if (!entry)
+        return;
+    entry->object_type = OBJECT_ARRAY;
+    entry->type = OD_UNSIGNED8;
+    entry->access = section->index == ERROR_FIELD ? OD_RW : counts ? access : OD_CONST;
+    entry->line = section->line;
+    dcf_set_text(self, &entry->name, "Highest sub-index supported");
+    dcf_set_number(self, &entry->initial, 1, counts ? 0 : count);
+}
+
+static void build_element(struct dcf_builder *self, const struct dcf_entry *pattern, unsigned sub)
+{
+    struct dcf_entry *entry = dcf_build_entry(self, pattern->index, (uint8_t)sub);
+    char name[300];
+
+    if (!entry)
+        return;
+    entry->type = pattern->type;
+    entry->access = pattern->access;
+    entry->mappable = pattern->mappable;
+    entry->flags = pattern->flags;
+    entry->line = pattern->line;
+    snprintf(name, sizeof name, "%s%u", pattern->name ? pattern->name : "", sub);
+    dcf_set_text(self, &entry->name, name);
+    copy_value(self, &pattern->initial, &entry->initial);
+    copy_value(self, &pattern->low, &entry->low);
+    copy_value(self, &pattern->high, &entry->high);
+}
+
+void dcf_build_compact(struct dcf_builder *self, struct dcf_section *section, unsigned count)
+{
+    struct dcf_entry pattern = { .index = section->index };
+
+    dcf_fill_entry(self, section, &pattern);
+    if (pattern.parameter.given)
+        co_report_add(self->report, CO_WARNING, pattern.parameter.line,
+                      "[%s] ParameterValue: a section [%04XValue] expected for a compact object: "
+                      "ignored",
+                      dcf_show(section->name).text, section->index);
+    build_highest_sub(self, section, count, pattern.access);
+    for (unsigned sub = 1; sub <= count && !self->no_memory; sub++)
+        build_element(self, &pattern, sub);
+    dcf_entry_done(&pattern);
+}
+
+static struct dcf_entry *find_entry(struct dcf_builder *self, uint16_t index, unsigned sub)
+{
+    const struct dcf_entry *entry = dcf_find(self->dcf, index, (uint8_t)sub);
+
+    return entry ? &self->dcf->entries[entry - self->dcf->entries] : NULL;
+}
+
+static void apply_key(struct dcf_builder *self, struct dcf_section *section, struct dcf_key *key)
+{
+    struct dcf_entry *entry;
+    unsigned sub = 0;
+
+    if (key->value.size == 0)
+        return;
+    entry = dcf_slice_decimal(key->name, 254, &sub) ? find_entry(self, section->index, sub) : NULL;
+    if (!entry) {
+        co_report_add(self->report, CO_WARNING, key->line,
+                      "[%s]: a sub-index of %04Xh in decimal expected, there is \"%s\": ignored",
+                      dcf_show(section->name).text, section->index, dcf_show(key->name).text);
+        return;
+    }
+    if (section->kind == DCF_SECTION_VALUE) {
+        dcf_key_value(self, section, key, entry->type, dcf_entry_downloads(entry),
+                      &entry->parameter);
+    } else {
+        char **text = section->kind == DCF_SECTION_NAME ? &entry->name : &entry->denotation;
+        char *copy = dcf_slice_copy(key->value);
+
+        self->no_memory |= !copy;
+        if (copy) {
+            free(*text);
+            *text = copy;
+        }
+    }
+}
+
+static void apply_section(struct dcf_builder *self, struct dcf_section *section)
+{
+    uint32_t announced = dcf_key_number(self, section, "NrOfEntries", UINT8_MAX, 0);
+    size_t count = 0;
+
+    for (size_t i = 0; i < section->count; i++) {
+        if (dcf_slice_is(section->keys[i].name, "NrOfEntries"))
+            continue;
+        apply_key(self, section, &section->keys[i]);
+        count++;
+    }
+    if (count != announced)
+        co_report_add(self->report, CO_WARNING, section->line,
+                      "[%s] NrOfEntries: %zu expected (so many are there), it is %lu",
+                      dcf_show(section->name).text, count, (unsigned long)announced);
+}
+
+void dcf_apply_compact_lists(struct dcf_builder *self)
+{
+    struct dcf_text *text = &self->text;
+
+    for (size_t i = 0; i < text->section_count && !self->no_memory; i++) {
+        enum dcf_section_kind kind = text->sections[i].kind;
+
+        if (kind == DCF_SECTION_NAME || kind == DCF_SECTION_VALUE || kind == DCF_SECTION_DENOTATION)
+            apply_section(self, &text->sections[i]);
+    }
+}

@@ -1,0 +1,166 @@
+/* One object or sub-index section as an entry. */
+#include "dcf/dcf_build.h"
+
+#include <stdlib.h>
+
+#define OBJECT_DOMAIN 2u
+#define OBJECT_VAR    7u
+
+#define FLAGS_KNOWN 3u
+
+static const struct {
+    const char *text;
+    enum od_access access;
+} accesses[] = {
+    { "ro", OD_RO },   { "wo", OD_WO },   { "rw", OD_RW },
+    { "rwr", OD_RWR }, { "rww", OD_RWW }, { "const", OD_CONST },
+};
+
+/* The letters at the beginning: "rw # comment" is "rw". */
+static struct dcf_slice first_word(struct dcf_slice text)
+{
+    size_t size = 0;
+
+    while (size < text.size && ((text.text[size] >= 'a' && text.text[size] <= 'z') ||
+                                (text.text[size] >= 'A' && text.text[size] <= 'Z')))
+        size++;
+    return dcf_slice_cut(text, size);
+}
+
+static enum od_access parse_access(struct dcf_builder *self, const struct dcf_section *section,
+                                   const struct dcf_key *key)
+{
+    struct dcf_slice word = first_word(key->value);
+
+    for (size_t i = 0; i < sizeof accesses / sizeof accesses[0]; i++) {
+        if (!dcf_slice_is(word, accesses[i].text))
+            continue;
+        if (word.size != key->value.size)
+            co_report_add(self->report, CO_WARNING, key->line,
+                          "[%s] AccessType: %s alone expected, there is \"%s\"",
+                          dcf_show(section->name).text, accesses[i].text,
+                          dcf_show(key->value).text);
+        return accesses[i].access;
+    }
+    co_report_add(self->report, CO_WARNING, key->line,
+                  "[%s] AccessType: ro, wo, rw, rwr, rww or const expected, there is \"%s\": "
+                  "taken as ro",
+                  dcf_show(section->name).text, dcf_show(key->value).text);
+    return OD_RO;
+}
+
+static void fill_access(struct dcf_builder *self, struct dcf_section *section,
+                        struct dcf_entry *entry)
+{
+    const struct dcf_key *key = dcf_section_find(section, "AccessType");
+
+    entry->access = entry->object_type == OBJECT_DOMAIN ? OD_RW : OD_RO;
+    if (key)
+        entry->access = (uint8_t)parse_access(self, section, key);
+    else if (entry->object_type != OBJECT_DOMAIN)
+        co_report_add(self->report, CO_WARNING, section->line,
+                      "[%s]: AccessType expected, it is missing: taken as ro",
+                      dcf_show(section->name).text);
+}
+
+static void fill_type(struct dcf_builder *self, struct dcf_section *section,
+                      struct dcf_entry *entry)
+{
+    uint32_t missing = entry->object_type == OBJECT_DOMAIN ? OD_DOMAIN : 0;
+    uint32_t type = dcf_key_number(self, section, "DataType", UINT16_MAX, missing);
+    const struct dcf_key *key = dcf_section_find(section, "DataType");
+
+    if (type <= UINT8_MAX && od_type_known((uint8_t)type)) {
+        entry->type = (uint8_t)type;
+        return;
+    }
+    if (entry->sub == 0 && section->kind == DCF_SECTION_SUB)
+        entry->type = OD_UNSIGNED8;
+    co_report_add(self->report, CO_WARNING, key ? key->line : section->line,
+                  "[%s] DataType: a data type of CiA 301 expected, %s%s: %s",
+                  dcf_show(section->name).text, key ? "there is " : "it is missing",
+                  key ? dcf_show(key->value).text : "",
+                  entry->type ? "taken as UNSIGNED8" : "the entry cannot be used");
+}
+
+static void fill_name(struct dcf_builder *self, struct dcf_section *section,
+                      struct dcf_entry *entry)
+{
+    dcf_key_text(self, section, "ParameterName", &entry->name);
+    if (!entry->name && self->no_name++ == 0)
+        self->no_name_line = section->line;
+}
+
+static void fill_flags(struct dcf_builder *self, struct dcf_section *section,
+                       struct dcf_entry *entry)
+{
+    entry->mappable = dcf_key_flag(self, section, "PDOMapping");
+    entry->flags = dcf_key_number(self, section, "ObjFlags", UINT32_MAX, 0);
+    if (entry->flags & ~FLAGS_KNOWN)
+        co_report_add(self->report, CO_WARNING, dcf_section_find(section, "ObjFlags")->line,
+                      "[%s] ObjFlags: 0..3 expected, there is %lX: bits 2 to 31 are ignored",
+                      dcf_show(section->name).text, (unsigned long)entry->flags);
+}
+
+static void fill_value(struct dcf_builder *self, struct dcf_section *section, const char *name,
+                       const struct dcf_entry *entry, struct dcf_value *value)
+{
+    const struct dcf_key *key = dcf_section_find(section, name);
+    bool strict = value == &entry->parameter && dcf_entry_downloads(entry);
+
+    if (key)
+        dcf_key_value(self, section, key, entry->type, strict, value);
+}
+
+static bool has_limits(uint8_t type)
+{
+    return od_type_size(type) != 0 && type != OD_TIME_OF_DAY && type != OD_TIME_DIFFERENCE;
+}
+
+/* Where one limit is nonsense the other one means nothing. */
+static void fill_limits(struct dcf_builder *self, struct dcf_section *section,
+                        struct dcf_entry *entry)
+{
+    const struct dcf_key *low = dcf_section_find(section, "LowLimit");
+    const struct dcf_key *high = dcf_section_find(section, "HighLimit");
+
+    if (!has_limits(entry->type))
+        return;
+    fill_value(self, section, "LowLimit", entry, &entry->low);
+    fill_value(self, section, "HighLimit", entry, &entry->high);
+    if ((low && !entry->low.given) || (high && !entry->high.given)) {
+        dcf_value_done(&entry->low);
+        dcf_value_done(&entry->high);
+    }
+}
+
+static void fill_files(struct dcf_builder *self, struct dcf_section *section,
+                       struct dcf_entry *entry)
+{
+    dcf_key_text(self, section, "DownloadFile", &entry->download_file);
+    dcf_key_text(self, section, "UploadFile", &entry->upload_file);
+    if (entry->download_file && entry->type != OD_DOMAIN) {
+        co_report_add(self->report, CO_WARNING, dcf_section_find(section, "DownloadFile")->line,
+                      "[%s] DownloadFile: expected for a DOMAIN only, this is %s: ignored",
+                      dcf_show(section->name).text, od_type_name(entry->type));
+        free(entry->download_file);
+        entry->download_file = NULL;
+    }
+}
+
+void dcf_fill_entry(struct dcf_builder *self, struct dcf_section *section, struct dcf_entry *entry)
+{
+    entry->line = section->line;
+    entry->object_type = (uint8_t)dcf_key_number(self, section, "ObjectType", UINT8_MAX,
+                                                 OBJECT_VAR);
+    fill_name(self, section, entry);
+    fill_type(self, section, entry);
+    fill_access(self, section, entry);
+    fill_flags(self, section, entry);
+    fill_limits(self, section, entry);
+    dcf_key_text(self, section, "Denotation", &entry->denotation);
+    fill_value(self, section, "DefaultValue", entry, &entry->initial);
+    fill_value(self, section, "ParameterValue", entry, &entry->parameter);
+    fill_files(self, section, entry);
+    dcf_section_find(section, "ParamRefd");
+}

@@ -1,0 +1,164 @@
+#include "dcf/dcf_build.h"
+
+#include "base/bytes.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void dcf_error_add(struct co_report *report, enum dcf_error kind, unsigned line, const char *format,
+                   ...)
+{
+    char text[CO_REPORT_TEXT_SIZE];
+    va_list args;
+
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    co_report_add(report, CO_ERROR, line, "%s", text);
+    co_report_kind(report, kind);
+}
+
+static const struct {
+    unsigned quirk;
+    const char *expected;
+    const char *done;
+} quirk_texts[] = {
+    { DCF_QUIRK_COMMENT, "a number alone", "what follows it is ignored" },
+    { DCF_QUIRK_LEADING_ZERO, "no leading zero", "read as a decimal number" },
+    { DCF_QUIRK_SUFFIX, "a number without suffix", "the suffix is ignored" },
+    { DCF_QUIRK_TEXT, "hexadecimal digits", "taken as text" },
+    { DCF_QUIRK_QUOTES, "text without quotes", "the quotes count as characters" },
+    { DCF_QUIRK_DOMAIN, "a DownloadFile as value of a DOMAIN", "taken as bytes" },
+};
+
+static void tell_quirks(const struct dcf_builder *self, const struct dcf_section *section,
+                        const struct dcf_key *key, unsigned quirks)
+{
+    for (size_t i = 0; i < sizeof quirk_texts / sizeof quirk_texts[0]; i++) {
+        if (quirks & quirk_texts[i].quirk)
+            co_report_add(self->report, CO_WARNING, key->line,
+                          "[%s] %s: %s expected, there is "
+                          "\"%s\": %s",
+                          dcf_show(section->name).text, dcf_show(key->name).text,
+                          quirk_texts[i].expected, dcf_show(key->value).text, quirk_texts[i].done);
+    }
+}
+
+uint32_t dcf_key_number(struct dcf_builder *self, struct dcf_section *section, const char *name,
+                        uint32_t most, uint32_t missing)
+{
+    const struct dcf_key *key = dcf_section_find(section, name);
+    struct dcf_number number;
+
+    if (!key)
+        return missing;
+    if (!dcf_number_parse(key->value, &number) || number.has_node_id || number.negative ||
+        number.too_large || number.magnitude > most) {
+        co_report_add(self->report, CO_WARNING, key->line,
+                      "[%s] %s: a number of 0..%lu expected, there is \"%s\": ignored",
+                      dcf_show(section->name).text, name, (unsigned long)most,
+                      dcf_show(key->value).text);
+        return missing;
+    }
+    tell_quirks(self, section, key, number.quirks);
+    return (uint32_t)number.magnitude;
+}
+
+bool dcf_key_flag(struct dcf_builder *self, struct dcf_section *section, const char *name)
+{
+    return dcf_key_number(self, section, name, 1, 0) != 0;
+}
+
+void dcf_key_text(struct dcf_builder *self, struct dcf_section *section, const char *name,
+                  char **text)
+{
+    const struct dcf_key *key = dcf_section_find(section, name);
+    char *copy;
+
+    if (!key)
+        return;
+    copy = dcf_slice_copy(key->value);
+    if (!copy) {
+        self->no_memory = true;
+        return;
+    }
+    free(*text);
+    *text = copy;
+}
+
+void dcf_set_number(struct dcf_builder *self, struct dcf_value *value, uint32_t size,
+                    uint32_t number)
+{
+    value->bytes = calloc(1, size);
+    if (!value->bytes) {
+        self->no_memory = true;
+        return;
+    }
+    put_le(value->bytes, size, number);
+    value->size = size;
+    value->given = true;
+}
+
+void dcf_set_text(struct dcf_builder *self, char **text, const char *value)
+{
+    *text = strdup(value);
+    if (!*text)
+        self->no_memory = true;
+}
+
+static void tell_misfit(struct dcf_builder *self, const struct dcf_section *section,
+                        const struct dcf_key *key, uint8_t type, bool strict, enum dcf_fit fit)
+{
+    struct dcf_shown in = dcf_show(section->name), name = dcf_show(key->name);
+    struct dcf_shown value = dcf_show(key->value);
+    const char *expected = dcf_convert_expected(type);
+
+    if (!strict)
+        co_report_add(self->report, CO_WARNING, key->line,
+                      "[%s] %s: %s (%s) expected, there is \"%s\"%s: ignored", in.text, name.text,
+                      expected, od_type_name(type), value.text,
+                      fit == DCF_OUT_OF_RANGE ? ", which does not fit the type" : "");
+    else if (fit == DCF_OUT_OF_RANGE)
+        dcf_error_add(self->report, DCF_ERROR_OUT_OF_RANGE, key->line,
+                      "[%s] %s: %s in the range of %s expected, there is \"%s\"", in.text,
+                      name.text, expected, od_type_name(type), value.text);
+    else
+        dcf_error_add(self->report, DCF_ERROR_WRONG_PARAMETER, key->line,
+                      "[%s] %s: %s (%s) expected, there is \"%s\"", in.text, name.text, expected,
+                      od_type_name(type), value.text);
+}
+
+void dcf_key_value(struct dcf_builder *self, const struct dcf_section *section,
+                   const struct dcf_key *key, uint8_t type, bool strict, struct dcf_value *value)
+{
+    struct dcf_value converted;
+    unsigned quirks;
+    enum dcf_fit fit = dcf_convert(key->value, type, &converted, &quirks);
+
+    switch (fit) {
+    case DCF_FITS:
+        tell_quirks(self, section, key, quirks);
+        dcf_value_done(value);
+        *value = converted;
+        value->line = key->line;
+        break;
+    case DCF_NO_VALUE:
+    case DCF_OUT_OF_RANGE: tell_misfit(self, section, key, type, strict, fit); break;
+    case DCF_NO_MEMORY: self->no_memory = true; break;
+    }
+}
+
+void dcf_tell_unused(struct dcf_builder *self, const struct dcf_section *section)
+{
+    for (size_t i = 0; i < section->count; i++) {
+        const struct dcf_key *key = &section->keys[i];
+
+        if (!key->used)
+            co_report_add(self->report, CO_WARNING, key->line,
+                          "[%s]: a keyword of CiA 306 for this section expected, there is "
+                          "\"%s\": ignored",
+                          dcf_show(section->name).text, dcf_show(key->name).text);
+    }
+}

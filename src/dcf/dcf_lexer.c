@@ -1,0 +1,226 @@
+#include "dcf/dcf_lexer.h"
+
+#include "dcf/dcf.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define LINE_SIZE_MAX 255u
+#define DOS_END       '\x1A'
+
+struct oddity { /* something that many lines may have: one message for all of them */
+    unsigned line;
+    unsigned count;
+};
+
+struct lexer {
+    struct dcf_text text;
+    struct dcf_slice rest;
+    struct co_report *report;
+    unsigned line;
+    struct oddity too_long, not_ascii, control, hash, not_a_key, no_section;
+};
+
+static void note(struct lexer *self, struct oddity *oddity)
+{
+    if (oddity->count++ == 0)
+        oddity->line = self->line;
+}
+
+static void tell(const struct lexer *self, const struct oddity *oddity, const char *what)
+{
+    if (oddity->count > 1)
+        co_report_add(self->report, CO_WARNING, oddity->line, "%s (and in %u more lines)", what,
+                      oddity->count - 1);
+    else if (oddity->count == 1)
+        co_report_add(self->report, CO_WARNING, oddity->line, "%s", what);
+}
+
+static enum co_err grow(void **items, size_t *room, size_t size)
+{
+    size_t more = *room ? 2 * *room : 256;
+    void *grown = realloc(*items, more * size);
+
+    if (!grown)
+        return CO_ERR_MEMORY;
+    *items = grown;
+    *room = more;
+    return CO_OK;
+}
+
+static enum co_err add_section(struct lexer *self, struct dcf_slice name)
+{
+    struct dcf_text *text = &self->text;
+    void *items = text->sections;
+
+    if (text->section_count == text->section_room) {
+        if (grow(&items, &text->section_room, sizeof *text->sections) != CO_OK)
+            return CO_ERR_MEMORY;
+        text->sections = items;
+    }
+    text->sections[text->section_count] = (struct dcf_section){
+        .name = name, .line = self->line, .number = (uint32_t)text->section_count
+    };
+    text->section_count++;
+    return CO_OK;
+}
+
+static enum co_err add_key(struct lexer *self, struct dcf_slice name, struct dcf_slice value)
+{
+    struct dcf_text *text = &self->text;
+    void *items = text->keys;
+
+    if (text->key_count == text->key_room) {
+        if (grow(&items, &text->key_room, sizeof *text->keys) != CO_OK)
+            return CO_ERR_MEMORY;
+        text->keys = items;
+    }
+    text->keys[text->key_count++] = (struct dcf_key){ .name = name,
+                                                      .value = value,
+                                                      .line = self->line,
+                                                      .section = (uint32_t)text->section_count -
+                                                                 1 };
+    return CO_OK;
+}
+
+static enum co_err read_section(struct lexer *self, struct dcf_slice line)
+{
+    struct dcf_slice name = dcf_slice_skip(line, 1);
+    const char *end = memchr(name.text, ']', name.size);
+
+    if (!end) {
+        co_report_add(self->report, CO_WARNING, self->line,
+                      "section \"%s\": \"]\" expected at its end, the line ends without one",
+                      dcf_show(name).text);
+        return add_section(self, dcf_slice_trim(name));
+    }
+    if (end + 1 < line.text + line.size)
+        co_report_add(self->report, CO_WARNING, self->line,
+                      "nothing expected behind \"]\", there is \"%s\": ignored",
+                      dcf_show(dcf_slice_skip(line, (size_t)(end + 1 - line.text))).text);
+    return add_section(self, dcf_slice_trim(dcf_slice_cut(name, (size_t)(end - name.text))));
+}
+
+static enum co_err read_key(struct lexer *self, struct dcf_slice line)
+{
+    const char *equals = memchr(line.text, '=', line.size);
+    size_t size = equals ? (size_t)(equals - line.text) : 0;
+    struct dcf_slice name = dcf_slice_trim(dcf_slice_cut(line, size));
+
+    if (name.size == 0) {
+        note(self, &self->not_a_key);
+        return CO_OK;
+    }
+    if (self->text.section_count == 0) {
+        note(self, &self->no_section);
+        return CO_OK;
+    }
+    return add_key(self, name, dcf_slice_trim(dcf_slice_skip(line, size + 1)));
+}
+
+static enum co_err read_line(struct lexer *self, struct dcf_slice line)
+{
+    if (line.size > LINE_SIZE_MAX)
+        note(self, &self->too_long);
+    line = dcf_slice_trim(line);
+    if (line.size == 0 || line.text[0] == ';')
+        return CO_OK;
+    if (line.text[0] == '#') {
+        note(self, &self->hash);
+        return CO_OK;
+    }
+    return line.text[0] == '[' ? read_section(self, line) : read_key(self, line);
+}
+
+/* Cuts the next line from the rest; the line end is CR LF, LF or CR. */
+static struct dcf_slice take_line(struct lexer *self)
+{
+    struct dcf_slice rest = self->rest;
+    bool not_ascii = false, control = false;
+    size_t size = 0;
+
+    while (size < rest.size && rest.text[size] != '\n' && rest.text[size] != '\r') {
+        unsigned char c = (unsigned char)rest.text[size++];
+
+        not_ascii |= c > 0x7F;
+        control |= c < 0x20 && c != '\t';
+    }
+    self->line++;
+    if (not_ascii)
+        note(self, &self->not_ascii);
+    if (control)
+        note(self, &self->control);
+    self->rest = dcf_slice_skip(rest, size);
+    if (size + 1 < rest.size && rest.text[size] == '\r' && rest.text[size + 1] == '\n')
+        self->rest = dcf_slice_skip(rest, size + 2);
+    else if (size < rest.size)
+        self->rest = dcf_slice_skip(rest, size + 1);
+    return dcf_slice_cut(rest, size);
+}
+
+static void skip_marks(struct lexer *self)
+{
+    if (dcf_slice_begins(self->rest, "\xEF\xBB\xBF")) {
+        co_report_add(self->report, CO_WARNING, 1,
+                      "plain text expected, the file begins with a byte order mark: ignored");
+        self->rest = dcf_slice_skip(self->rest, 3);
+    }
+    while (self->rest.size > 0 && self->rest.text[self->rest.size - 1] == DOS_END)
+        self->rest.size--;
+}
+
+static void tell_all(const struct lexer *self)
+{
+    tell(self, &self->too_long, "lines of at most 255 characters expected, this one is longer");
+    tell(self, &self->not_ascii, "ASCII characters expected, there are others");
+    tell(self, &self->control, "text expected, there are control characters");
+    tell(self, &self->hash, "comments are expected to begin with \";\", this one does with \"#\"");
+    tell(self, &self->not_a_key, "\"[section]\", \"key=value\" or \"; comment\" expected: ignored");
+    tell(self, &self->no_section, "a section expected before the first key: ignored");
+}
+
+static enum co_err no_text(struct co_report *report, const char *what)
+{
+    co_report_add(report, CO_ERROR, 0, "EDS or DCF text expected, %s", what);
+    co_report_kind(report, DCF_ERROR_MISSING_SECTION);
+    return CO_ERR_FORMAT;
+}
+
+static enum co_err read_lines(struct lexer *self)
+{
+    enum co_err err = CO_OK;
+
+    skip_marks(self);
+    while (self->rest.size > 0 && err == CO_OK)
+        err = read_line(self, take_line(self));
+    if (err != CO_OK)
+        return err;
+    tell_all(self);
+    if (self->text.section_count == 0)
+        return no_text(self->report, "there is no section in it");
+    return dcf_text_sort(&self->text, self->report);
+}
+
+enum co_err dcf_lex(const char *text, size_t size, struct co_report *report,
+                    struct dcf_text *ret_text)
+{
+    struct lexer lexer = { .rest = { text, size }, .report = report };
+    enum co_err err;
+
+    if (size >= 2 && (memcmp(text, "\xFF\xFE", 2) == 0 || memcmp(text, "\xFE\xFF", 2) == 0))
+        return no_text(report, "this is UTF-16: store it as plain text");
+    err = read_lines(&lexer);
+    if (err != CO_OK) {
+        dcf_text_done(&lexer.text);
+        return err;
+    }
+    *ret_text = lexer.text;
+    return CO_OK;
+}
+
+void dcf_text_done(struct dcf_text *self)
+{
+    free(self->sections);
+    free(self->keys);
+    *self = (struct dcf_text){ .section_count = 0 };
+}

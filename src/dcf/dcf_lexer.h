@@ -1,0 +1,80 @@
+/*
+ * The lines of an EDS or DCF file: sections and their keys, with line numbers.
+ *
+ *   in   the bytes of the file
+ *   out  sections, known by their names, sorted; keys of each section, sorted by name
+ *
+ * Sections and keys that come twice are merged, the last one wins. Names are compared without
+ * regard to case. Slices point into the file's text, which has to stay.
+ */
+#ifndef CO_DCF_DCF_LEXER_H
+#define CO_DCF_DCF_LEXER_H
+
+#include "base/error.h"
+#include "base/report.h"
+#include "dcf/dcf_slice.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum dcf_section_kind {
+    DCF_SECTION_FILE_INFO,
+    DCF_SECTION_DEVICE_INFO,
+    DCF_SECTION_DUMMY_USAGE,
+    DCF_SECTION_COMMISSIONING,
+    DCF_SECTION_MANDATORY,
+    DCF_SECTION_OPTIONAL,
+    DCF_SECTION_MANUFACTURER,
+    DCF_SECTION_SUPPORTED_MODULES,
+    DCF_SECTION_CONNECTED_MODULES,
+    DCF_SECTION_OBJECT, /* [1018] */
+    DCF_SECTION_SUB,    /* [1018sub1] */
+    DCF_SECTION_NAME,   /* [1016Name] and the following: of compact objects */
+    DCF_SECTION_VALUE,
+    DCF_SECTION_DENOTATION,
+    DCF_SECTION_IGNORED, /* known, but of no use here: comments, links, modules, tools, channels */
+    DCF_SECTION_UNKNOWN
+};
+
+struct dcf_key {
+    struct dcf_slice name;
+    struct dcf_slice value;
+    unsigned line;
+    uint32_t section; /* its place in sections */
+    bool used;        /* somebody asked for it */
+};
+
+struct dcf_section {
+    struct dcf_slice name; /* as in the file, without the brackets */
+    unsigned line;
+    enum dcf_section_kind kind;
+    uint16_t index; /* of object sections */
+    uint8_t sub;
+    uint32_t number; /* in the order of the file */
+    struct dcf_key *keys;
+    size_t count;
+};
+
+struct dcf_text {
+    struct dcf_section *sections;
+    size_t section_count, section_room;
+    struct dcf_key *keys;
+    size_t key_count, key_room;
+};
+
+/* CO_ERR_FORMAT: this is no text of sections; CO_ERR_MEMORY */
+enum co_err dcf_lex(const char *text, size_t size, struct co_report *report,
+                    struct dcf_text *ret_text);
+void dcf_text_done(struct dcf_text *self);
+
+/* The section of an information kind, or NULL. */
+struct dcf_section *dcf_text_find(const struct dcf_text *self, enum dcf_section_kind kind);
+
+/* The key, marked as used, or NULL where it is missing or empty. */
+const struct dcf_key *dcf_section_find(struct dcf_section *self, const char *name);
+
+/* For dcf_lex(): knows the sections, sorts and merges sections and keys. */
+enum co_err dcf_text_sort(struct dcf_text *self, struct co_report *report);
+
+#endif

@@ -1,0 +1,195 @@
+/* The lists of objects, the modules and the PDO counts against what is described. */
+#include "dcf/dcf_build.h"
+
+#include <stdlib.h>
+
+#define FIRST_OBJECT 0x1000u
+#define MODULE_MAX   127u
+#define PDOS_MAX     512u
+
+static const struct list {
+    enum dcf_section_kind kind;
+    const char *name;
+} lists[] = {
+    { DCF_SECTION_MANDATORY, "MandatoryObjects" },
+    { DCF_SECTION_OPTIONAL, "OptionalObjects" },
+    { DCF_SECTION_MANUFACTURER, "ManufacturerObjects" },
+};
+
+#define LIST_COUNT (sizeof lists / sizeof lists[0])
+
+static bool belongs(enum dcf_section_kind list, uint32_t index)
+{
+    bool mandatory = index == 0x1000 || index == 0x1001 || index == 0x1018;
+    bool manufacturer = index >= 0x2000 && index <= 0x5FFF;
+
+    if (list == DCF_SECTION_MANDATORY)
+        return mandatory;
+    if (list == DCF_SECTION_MANUFACTURER)
+        return manufacturer;
+    return index >= FIRST_OBJECT && !mandatory && !manufacturer;
+}
+
+static const char *list_of(uint32_t index)
+{
+    for (size_t i = 0; i < LIST_COUNT; i++) {
+        if (belongs(lists[i].kind, index))
+            return lists[i].name;
+    }
+    return "no list";
+}
+
+struct place {             /* of an index */
+    unsigned list_line;    /* 0: in no list */
+    unsigned section_line; /* 0: there is no section */
+};
+
+static bool parse_index(struct dcf_slice text, uint32_t *ret_index)
+{
+    struct dcf_number number;
+
+    if (!dcf_number_parse(text, &number) || number.has_node_id || number.negative ||
+        number.too_large || number.magnitude > UINT16_MAX)
+        return false;
+    *ret_index = (uint32_t)number.magnitude;
+    return true;
+}
+
+static void check_listed(struct dcf_builder *self, const struct dcf_section *section,
+                         const struct dcf_key *key, struct place *places)
+{
+    struct dcf_shown name = dcf_show(section->name);
+    uint32_t index;
+
+    if (!parse_index(key->value, &index)) {
+        co_report_add(self->report, CO_WARNING, key->line,
+                      "[%s] %s: an index expected, there is \"%s\": ignored", name.text,
+                      dcf_show(key->name).text, dcf_show(key->value).text);
+        return;
+    }
+    if (places[index].list_line != 0)
+        co_report_add(self->report, CO_WARNING, key->line,
+                      "[%s]: %04lXh expected once, it is also in line %u", name.text,
+                      (unsigned long)index, places[index].list_line);
+    else if (!belongs(section->kind, index))
+        co_report_add(self->report, CO_WARNING, key->line,
+                      "[%s]: %04lXh expected in [%s], it is here", name.text, (unsigned long)index,
+                      list_of(index));
+    if (places[index].section_line == 0 && !dcf_has_object(self->dcf, (uint16_t)index))
+        co_report_add(self->report, CO_WARNING, key->line,
+                      "[%s]: a section [%04lX] for this index expected, it is missing", name.text,
+                      (unsigned long)index);
+    places[index].list_line = key->line;
+}
+
+static void check_list(struct dcf_builder *self, const struct list *list, struct place *places)
+{
+    struct dcf_section *section = dcf_text_find(&self->text, list->kind);
+    uint32_t announced;
+    size_t count = 0;
+    unsigned number;
+
+    if (!section) {
+        co_report_add(self->report, CO_WARNING, 0, "a section [%s] expected, it is missing",
+                      list->name);
+        return;
+    }
+    announced = dcf_key_number(self, section, "SupportedObjects", UINT16_MAX, 0);
+    for (size_t i = 0; i < section->count; i++) {
+        struct dcf_key *key = &section->keys[i];
+
+        if (!dcf_slice_decimal(key->name, UINT16_MAX, &number) || key->value.size == 0)
+            continue;
+        key->used = true;
+        check_listed(self, section, key, places);
+        count++;
+    }
+    if (count != announced)
+        co_report_add(self->report, CO_WARNING, section->line,
+                      "[%s] SupportedObjects: %zu expected (so many are listed), it is %lu",
+                      list->name, count, (unsigned long)announced);
+    dcf_tell_unused(self, section);
+}
+
+static void check_sections(struct dcf_builder *self, const struct place *places)
+{
+    for (uint32_t index = FIRST_OBJECT; index <= UINT16_MAX; index++) {
+        if (places[index].section_line != 0 && places[index].list_line == 0)
+            co_report_add(self->report, CO_WARNING, places[index].section_line,
+                          "[%04lX]: its index expected in [%s], it is in no list",
+                          (unsigned long)index, list_of(index));
+    }
+}
+
+static void check_mandatory(struct dcf_builder *self)
+{
+    static const uint16_t mandatory[] = { 0x1000, 0x1001, 0x1018 };
+
+    for (size_t i = 0; i < sizeof mandatory / sizeof mandatory[0]; i++) {
+        if (!dcf_has_object(self->dcf, mandatory[i]))
+            co_report_add(self->report, CO_WARNING, 0,
+                          "an object %04Xh expected in every device, it is missing", mandatory[i]);
+    }
+}
+
+static void check_pdo_count(struct dcf_builder *self, const char *name, uint16_t first,
+                            unsigned announced)
+{
+    unsigned count = 0;
+
+    for (unsigned i = 0; i < PDOS_MAX; i++)
+        count += dcf_has_object(self->dcf, (uint16_t)(first + i));
+    if (count != announced)
+        co_report_add(self->report, CO_WARNING, 0,
+                      "[DeviceInfo] %s: %u expected (so many communication parameters are there), "
+                      "it is %u",
+                      name, count, announced);
+}
+
+void dcf_check_lists(struct dcf_builder *self)
+{
+    struct place *places = calloc((size_t)UINT16_MAX + 1, sizeof *places);
+
+    if (!places) {
+        self->no_memory = true;
+        return;
+    }
+    for (size_t i = 0; i < self->text.section_count; i++) {
+        const struct dcf_section *section = &self->text.sections[i];
+
+        if (section->kind == DCF_SECTION_OBJECT)
+            places[section->index].section_line = section->line;
+    }
+    for (size_t i = 0; i < LIST_COUNT; i++)
+        check_list(self, &lists[i], places);
+    check_sections(self, places);
+    free(places);
+    check_mandatory(self);
+    if (dcf_text_find(&self->text, DCF_SECTION_DEVICE_INFO)) {
+        check_pdo_count(self, "NrOfRXPDO", 0x1400, self->dcf->rx_pdos);
+        check_pdo_count(self, "NrOfTXPDO", 0x1800, self->dcf->tx_pdos);
+    }
+}
+
+void dcf_check_modules(struct dcf_builder *self)
+{
+    struct dcf_section *supported = dcf_text_find(&self->text, DCF_SECTION_SUPPORTED_MODULES);
+    struct dcf_section *connected = dcf_text_find(&self->text, DCF_SECTION_CONNECTED_MODULES);
+    uint32_t most = MODULE_MAX;
+    uint32_t module;
+    unsigned slot;
+
+    if (supported)
+        most = dcf_key_number(self, supported, "NrOfEntries", MODULE_MAX, MODULE_MAX);
+    for (size_t i = 0; connected && i < connected->count; i++) {
+        const struct dcf_key *key = &connected->keys[i];
+
+        if (!dcf_slice_decimal(key->name, UINT16_MAX, &slot) || key->value.size == 0)
+            continue;
+        if (!parse_index(key->value, &module) || module < 1 || module > most)
+            dcf_error_add(self->report, DCF_ERROR_WRONG_MODULE_NO, key->line,
+                          "[%s] %u: a module of 1..%lu expected, there is \"%s\"",
+                          dcf_show(connected->name).text, slot, (unsigned long)most,
+                          dcf_show(key->value).text);
+    }
+}

@@ -1,0 +1,209 @@
+#include "dcf/dcf_number.h"
+
+#include "base/bytes.h"
+#include "od/od.h"
+
+#include <locale.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define NODE_ID        "$NODEID"
+#define REAL_TEXT_SIZE 128u
+
+struct dcf_slice dcf_number_uncomment(struct dcf_slice text, unsigned *ret_quirks)
+{
+    size_t size = 0;
+
+    while (size < text.size && text.text[size] != ';' && text.text[size] != '#' &&
+           !dcf_slice_begins(dcf_slice_skip(text, size), "//"))
+        size++;
+    if (size < text.size)
+        *ret_quirks |= DCF_QUIRK_COMMENT;
+    return dcf_slice_trim(dcf_slice_cut(text, size));
+}
+
+/* Takes the sign and "0x" off. */
+static struct dcf_slice parse_prefix(struct dcf_slice text, struct dcf_number *number)
+{
+    if (dcf_slice_begins(text, "-") || dcf_slice_begins(text, "+")) {
+        number->negative = text.text[0] == '-';
+        text = dcf_slice_skip(text, 1);
+    }
+    if (dcf_slice_begins(text, "0x")) {
+        number->hex = true;
+        return dcf_slice_skip(text, 2);
+    }
+    if (text.size > 1 && text.text[0] == '0')
+        number->quirks |= DCF_QUIRK_LEADING_ZERO;
+    return text;
+}
+
+static bool is_suffix(char c)
+{
+    return c == 'L' || c == 'l' || c == 'U' || c == 'u';
+}
+
+/* The suffixes of C's integers, which some tools leave in their files. */
+static struct dcf_slice cut_suffix(struct dcf_slice text, struct dcf_number *number)
+{
+    size_t size = text.size;
+
+    while (size > 1 && size + 3 > text.size && is_suffix(text.text[size - 1]))
+        size--;
+    if (size < text.size)
+        number->quirks |= DCF_QUIRK_SUFFIX;
+    return dcf_slice_cut(text, size);
+}
+
+static bool parse_integer(struct dcf_slice text, struct dcf_number *number)
+{
+    unsigned base;
+
+    text = cut_suffix(parse_prefix(text, number), number);
+    base = number->hex ? 16 : 10;
+    for (size_t i = 0; i < text.size; i++) {
+        int digit = dcf_hex_digit(text.text[i]);
+
+        if (digit < 0 || (unsigned)digit >= base)
+            return false;
+        if (number->magnitude > (UINT64_MAX - (unsigned)digit) / base)
+            number->too_large = true;
+        number->magnitude = number->magnitude * base + (unsigned)digit;
+    }
+    return text.size > 0;
+}
+
+/* Takes "$NODEID" and its "+" off one end; what is left is the number. */
+static bool take_node_id(struct dcf_slice *text)
+{
+    struct dcf_slice rest;
+
+    if (dcf_slice_begins(*text, NODE_ID)) {
+        rest = dcf_slice_trim(dcf_slice_skip(*text, strlen(NODE_ID)));
+        if (rest.size > 0 && rest.text[0] != '+')
+            return false;
+        *text = dcf_slice_of("0");
+        if (rest.size > 0)
+            *text = dcf_slice_trim(dcf_slice_skip(rest, 1));
+        return true;
+    }
+    if (!dcf_slice_ends(*text, NODE_ID))
+        return false;
+    rest = dcf_slice_trim(dcf_slice_cut(*text, text->size - strlen(NODE_ID)));
+    if (!dcf_slice_ends(rest, "+"))
+        return false;
+    *text = dcf_slice_trim(dcf_slice_cut(rest, rest.size - 1));
+    return true;
+}
+
+bool dcf_number_parse(struct dcf_slice text, struct dcf_number *ret_number)
+{
+    struct dcf_number number = { .magnitude = 0 };
+
+    text = dcf_number_uncomment(dcf_slice_trim(text), &number.quirks);
+    number.has_node_id = take_node_id(&text);
+    if (!parse_integer(text, &number))
+        return false;
+    *ret_number = number;
+    return true;
+}
+
+enum dcf_fit dcf_number_store(const struct dcf_number *self, uint8_t type, uint8_t *bytes)
+{
+    uint32_t size = od_type_size(type);
+    uint64_t most = size >= 8 ? UINT64_MAX : ((uint64_t)1 << 8 * size) - 1;
+    uint64_t value = self->negative ? 0 - self->magnitude : self->magnitude;
+
+    if (self->too_large)
+        return DCF_OUT_OF_RANGE;
+    if (type == OD_BOOLEAN)
+        most = 1;
+    if (od_type_signed(type) && self->negative)
+        most = most / 2 + 1;
+    else if (od_type_signed(type) && !self->hex)
+        most = most / 2;
+    else if (self->negative)
+        most = 0;
+    if (self->magnitude > most)
+        return DCF_OUT_OF_RANGE;
+    put_le(bytes, size, value);
+    return DCF_FITS;
+}
+
+static size_t skip_digits(struct dcf_slice text, size_t at)
+{
+    while (at < text.size && text.text[at] >= '0' && text.text[at] <= '9')
+        at++;
+    return at;
+}
+
+/* [+-] digits [. digits] [e [+-] digits], with a digit before or behind the point */
+static bool is_fraction(struct dcf_slice text)
+{
+    size_t sign = text.size > 0 && (text.text[0] == '-' || text.text[0] == '+') ? 1 : 0;
+    size_t at = skip_digits(text, sign);
+    size_t digits = at - sign;
+    size_t start;
+
+    if (at < text.size && text.text[at] == '.') {
+        start = at + 1;
+        at = skip_digits(text, start);
+        digits += at - start;
+    }
+    if (digits > 0 && at < text.size && (text.text[at] == 'e' || text.text[at] == 'E')) {
+        start = at + 1;
+        if (start < text.size && (text.text[start] == '-' || text.text[start] == '+'))
+            start++;
+        at = skip_digits(text, start);
+        if (at == start)
+            return false;
+    }
+    return digits > 0 && at == text.size;
+}
+
+/* In the C locale, whatever the process's. */
+static enum dcf_fit convert_fraction(const char *text, uint8_t type, uint8_t *bytes)
+{
+    locale_t c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+    bool fits;
+
+    if (c_locale == (locale_t)0)
+        return DCF_NO_MEMORY;
+    if (type == OD_REAL32) {
+        float value = strtof_l(text, NULL, c_locale);
+        uint32_t bits;
+
+        memcpy(&bits, &value, sizeof bits);
+        put_le32(bytes, bits);
+        fits = isfinite(value);
+    } else {
+        double value = strtod_l(text, NULL, c_locale);
+        uint64_t bits;
+
+        memcpy(&bits, &value, sizeof bits);
+        put_le(bytes, sizeof bits, bits);
+        fits = isfinite(value);
+    }
+    freelocale(c_locale);
+    return fits ? DCF_FITS : DCF_OUT_OF_RANGE;
+}
+
+enum dcf_fit dcf_real_parse(struct dcf_slice text, uint8_t type, uint8_t *bytes,
+                            unsigned *ret_quirks)
+{
+    struct dcf_number pattern = { .magnitude = 0 };
+    char copy[REAL_TEXT_SIZE];
+
+    text = dcf_number_uncomment(dcf_slice_trim(text), ret_quirks);
+    if (dcf_slice_begins(text, "0x")) {
+        if (!parse_integer(text, &pattern))
+            return DCF_NO_VALUE;
+        return dcf_number_store(&pattern, type == OD_REAL32 ? OD_UNSIGNED32 : OD_UNSIGNED64, bytes);
+    }
+    if (!is_fraction(text) || text.size >= sizeof copy)
+        return DCF_NO_VALUE;
+    memcpy(copy, text.text, text.size);
+    copy[text.size] = '\0';
+    return convert_fraction(copy, type, bytes);
+}

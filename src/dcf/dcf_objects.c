@@ -1,0 +1,206 @@
+/* Object sections as entries: variables, and arrays and records with their sub-indices. */
+#include "dcf/dcf_build.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define OBJECT_DOMAIN    2u
+#define OBJECT_DEFTYPE   5u
+#define OBJECT_DEFSTRUCT 6u
+#define OBJECT_VAR       7u
+#define OBJECT_ARRAY     8u
+#define OBJECT_RECORD    9u
+
+#define STRUCTURE_SUB 0xFFu /* the object's own description: not counted by SubNumber */
+
+struct group {                  /* the sections of one object */
+    struct dcf_section *object; /* NULL: missing */
+    struct dcf_section *subs;
+    size_t sub_count;
+    uint8_t object_type;
+};
+
+struct dcf_entry *dcf_build_entry(struct dcf_builder *self, uint16_t index, uint8_t sub)
+{
+    struct dcf *dcf = self->dcf;
+    struct dcf_entry *entries;
+    size_t room = dcf->room ? 2 * dcf->room : 128;
+
+    if (dcf->count == DCF_ENTRIES_MAX) {
+        dcf_error_add(self->report, DCF_ERROR_OUT_OF_RANGE, 0,
+                      "at most %u entries expected, there are more", DCF_ENTRIES_MAX);
+        self->no_memory = true;
+        return NULL;
+    }
+    if (dcf->count == dcf->room) {
+        entries = realloc(dcf->entries, room * sizeof *entries);
+        if (!entries) {
+            self->no_memory = true;
+            return NULL;
+        }
+        dcf->entries = entries;
+        dcf->room = room;
+    }
+    dcf->entries[dcf->count] = (struct dcf_entry){ .index = index,
+                                                   .sub = sub,
+                                                   .object_type = OBJECT_VAR };
+    return &dcf->entries[dcf->count++];
+}
+
+static bool has_subs(uint8_t object_type)
+{
+    return object_type == OBJECT_ARRAY || object_type == OBJECT_RECORD ||
+           object_type == OBJECT_DEFSTRUCT;
+}
+
+static bool is_single(uint8_t object_type)
+{
+    return object_type == OBJECT_VAR || object_type == OBJECT_DOMAIN ||
+           object_type == OBJECT_DEFTYPE;
+}
+
+static uint8_t read_object_type(struct dcf_builder *self, const struct group *group)
+{
+    struct dcf_section *section = group->object;
+    uint8_t type = (uint8_t)dcf_key_number(self, section, "ObjectType", UINT8_MAX, OBJECT_VAR);
+    uint8_t meant = group->sub_count > 0 ? OBJECT_RECORD : OBJECT_VAR;
+
+    if (has_subs(type) || (is_single(type) && group->sub_count == 0))
+        return type;
+    co_report_add(self->report, CO_WARNING, section->line,
+                  "[%s] ObjectType: %s expected, there is %u: taken as %u",
+                  dcf_show(section->name).text,
+                  group->sub_count > 0 ? "8 or 9 (there are sub-indices)" : "2, 5, 6, 7, 8 or 9",
+                  type, meant);
+    return meant;
+}
+
+static void build_single(struct dcf_builder *self, struct group *group)
+{
+    struct dcf_entry *entry = dcf_build_entry(self, group->object->index, 0);
+
+    if (!entry)
+        return;
+    dcf_fill_entry(self, group->object, entry);
+    entry->object_type = group->object_type;
+}
+
+static void build_sub(struct dcf_builder *self, const struct group *group,
+                      struct dcf_section *section)
+{
+    struct dcf_entry *entry = dcf_build_entry(self, section->index, section->sub);
+
+    if (!entry)
+        return;
+    dcf_fill_entry(self, section, entry);
+    if (is_single(entry->object_type) == false)
+        co_report_add(self->report, CO_WARNING, section->line,
+                      "[%s] ObjectType: 7 (VAR) expected for a sub-index, there is %u",
+                      dcf_show(section->name).text, entry->object_type);
+    if (section->sub == 0) {
+        if (entry->type != OD_UNSIGNED8)
+            co_report_add(self->report, CO_WARNING, section->line,
+                          "[%s] DataType: UNSIGNED8 expected for sub-index 0, there is %s",
+                          dcf_show(section->name).text, od_type_name(entry->type));
+        entry->object_type = group->object_type;
+    }
+    dcf_tell_unused(self, section);
+}
+
+static void check_subs(struct dcf_builder *self, const struct group *group)
+{
+    struct dcf_section *object = group->object;
+    uint32_t announced = dcf_key_number(self, object, "SubNumber", UINT8_MAX, 0);
+    size_t count = group->sub_count;
+
+    if (count > 0 && group->subs[count - 1].sub == STRUCTURE_SUB)
+        count--;
+    if (announced != count)
+        co_report_add(self->report, CO_WARNING, object->line,
+                      "[%s] SubNumber: %zu expected (so many sub-index sections are there), it is "
+                      "%lu",
+                      dcf_show(object->name).text, count, (unsigned long)announced);
+    if (count > 0 && group->subs[0].sub != 0)
+        co_report_add(self->report, CO_WARNING, object->line,
+                      "[%s]: a section [%04Xsub0] expected, it is missing",
+                      dcf_show(object->name).text, object->index);
+}
+
+static void build_structure(struct dcf_builder *self, struct group *group)
+{
+    static const char *const not_needed[] = { "ParameterName", "DataType",   "AccessType",
+                                              "DefaultValue",  "PDOMapping", "LowLimit",
+                                              "HighLimit",     "ObjFlags",   "Denotation",
+                                              "ParamRefd" };
+
+    for (size_t i = 0; i < sizeof not_needed / sizeof not_needed[0]; i++)
+        dcf_section_find(group->object, not_needed[i]);
+    check_subs(self, group);
+    for (size_t i = 0; i < group->sub_count; i++)
+        build_sub(self, group, &group->subs[i]);
+}
+
+static void build_orphans(struct dcf_builder *self, struct group *group)
+{
+    co_report_add(self->report, CO_WARNING, group->subs[0].line,
+                  "[%s]: a section [%04X] for its object expected, it is missing",
+                  dcf_show(group->subs[0].name).text, group->subs[0].index);
+    group->object_type = OBJECT_RECORD;
+    for (size_t i = 0; i < group->sub_count; i++)
+        build_sub(self, group, &group->subs[i]);
+}
+
+static void build_group(struct dcf_builder *self, struct group *group)
+{
+    unsigned compact;
+
+    if (!group->object) {
+        if (group->sub_count > 0)
+            build_orphans(self, group);
+        return;
+    }
+    group->object_type = read_object_type(self, group);
+    compact = dcf_key_number(self, group->object, "CompactSubObj", 254, 0);
+    if (compact > 0 && group->sub_count == 0) {
+        dcf_build_compact(self, group->object, compact);
+    } else if (has_subs(group->object_type)) {
+        if (compact > 0)
+            co_report_add(self->report, CO_WARNING, group->object->line,
+                          "[%s] CompactSubObj: 0 expected (there are sub-index sections), it is "
+                          "%u: ignored",
+                          dcf_show(group->object->name).text, compact);
+        build_structure(self, group);
+    } else {
+        build_single(self, group);
+    }
+    dcf_section_find(group->object, "SubNumber");
+    dcf_tell_unused(self, group->object);
+}
+
+void dcf_build_objects(struct dcf_builder *self)
+{
+    struct dcf_text *text = &self->text;
+    size_t i = 0;
+
+    while (i < text->section_count && text->sections[i].kind < DCF_SECTION_OBJECT)
+        i++;
+    while (i < text->section_count && text->sections[i].kind < DCF_SECTION_IGNORED &&
+           !self->no_memory) {
+        struct group group = { .sub_count = 0 };
+        uint16_t index = text->sections[i].index;
+
+        for (; i < text->section_count && text->sections[i].kind < DCF_SECTION_IGNORED &&
+               text->sections[i].index == index;
+             i++) {
+            if (text->sections[i].kind == DCF_SECTION_OBJECT)
+                group.object = &text->sections[i];
+            else if (text->sections[i].kind == DCF_SECTION_SUB && group.sub_count++ == 0)
+                group.subs = &text->sections[i];
+        }
+        build_group(self, &group);
+    }
+    if (self->no_name > 0)
+        co_report_add(self->report, CO_WARNING, self->no_name_line,
+                      "ParameterName: a text expected, it is missing or empty (%u such sections)",
+                      self->no_name);
+}

@@ -1,7 +1,9 @@
 /*
  * Concise DCF (CiA 302-3, object 1F22h): the writes that configure a device, in order, as bytes.
  *
- *   u32 count, then count times { u16 index, u8 sub, u32 size, size bytes }, little endian, no padding
+ *   u32 count, then count times { u16 index, u8 sub, u32 size, size bytes }
+ *
+ * Little endian, without padding.
  *
  * A CCF file is exactly these bytes.
  */

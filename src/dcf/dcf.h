@@ -4,7 +4,8 @@
  *   in   the bytes of the file (callers read files), a report for messages with line numbers
  *   out  struct dcf: file and device information, objects with types, access, limits and values
  *
- * What real files do and the standard forbids is accepted where its meaning is clear, with a warning.
+ * What real files do and the standard forbids is accepted with a warning where its meaning is
+ * clear.
  * Formulas ($NODEID+200h) are kept as an offset: dcf_value() resolves them for a node-ID.
  */
 #ifndef CO_DCF_DCF_H
@@ -98,14 +99,17 @@ const struct dcf_entry *dcf_find(const struct dcf *self, uint16_t index, uint8_t
 /* The bytes of a value for this node-ID, to 'bytes' of at least value->size; their number. */
 uint32_t dcf_value(const struct dcf_value *value, uint8_t node_id, uint8_t *bytes);
 
-/* Fills an empty dictionary with all entries and their DefaultValues. CO_ERR_MEMORY, CO_ERR_VALUE */
+/*
+ * Fills an empty dictionary with all entries and their DefaultValues; those without one are 0 or
+ * empty, but a sub-index 0 tells the highest sub-index. CO_ERR_MEMORY, CO_ERR_VALUE
+ */
 enum co_err dcf_make_od(const struct dcf *self, uint8_t node_id, struct co_report *report,
                         struct od *od);
 
 struct dcf_ccf_options {
     uint8_t node_id;
     bool old_style; /* PDO mapping: the number of entries first (Old_Config_Style) */
-    /* Gives the contents of a DownloadFile named in the DCF, which are freed by free(); NULL: such an
+    /* The contents of a DownloadFile named in the DCF, to be freed by free(). NULL: such an
      * entry is an error. */
     enum co_err (*read_file)(void *context, const char *name, uint8_t **ret_bytes,
                              size_t *ret_size);
@@ -113,12 +117,12 @@ struct dcf_ccf_options {
 };
 
 /*
- * The writes that bring a device with default values to the ParameterValues of the file, in the order
- * that devices need: the other objects by index; SYNC (1019h, 1006h, 1005h); error control (100Ch,
- * 100Dh, 1016h, 1017h); each PDO switched off, its parameters, its mapping, switched on; 1020h last.
- * Read-only entries, those that ObjFlags protects, and 1000h, 1001h, 1010h, 1011h, 1018h, 1200h, 1F50h
- * and 1F51h are left out. The result is never without its count. CO_ERR_MEMORY, CO_ERR_VALUE (told in
- * the report).
+ * The writes that bring a device with default values to the ParameterValues of the file, in the
+ * order that devices need: the other objects by index; SYNC (1019h, 1006h, 1005h); error control
+ * (100Ch, 100Dh, 1016h, 1017h); each PDO switched off, its parameters, its mapping, switched on;
+ * 1020h last. Left out are read-only entries, those that ObjFlags protects, and 1000h, 1001h,
+ * 1010h, 1011h, 1018h, 1200h, 1F50h, 1F51h. The result has its count even where it is 0. CO_ERR_MEMORY,
+ * CO_ERR_VALUE (told in the report).
  */
 enum co_err dcf_make_ccf(const struct dcf *self, const struct dcf_ccf_options *options,
                          struct co_report *report, struct ccf *ret_ccf);

@@ -1,6 +1,7 @@
 /* Compact PDOs: the file only tells their number and which parameters they have. */
-#include "base/bytes.h"
 #include "dcf/dcf_build.h"
+
+#include "base/bytes.h"
 
 #include <stdlib.h>
 
@@ -10,6 +11,7 @@
 #define PREDEFINED_PDO 4u
 #define MAPPING_BITS   64u
 #define MAPPING_OFFSET 0x200u
+#define EVENT_DRIVEN   0xFFu
 
 static const struct {
     uint8_t bit;
@@ -21,6 +23,8 @@ static const struct {
     { 2, 3, OD_UNSIGNED16, "Inhibit time" }, { 3, 4, OD_UNSIGNED8, "Reserved" },
     { 4, 5, OD_UNSIGNED16, "Event timer" },  { 5, 6, OD_UNSIGNED8, "SYNC start value" },
 };
+
+#define PDO_SUB_COUNT (sizeof pdo_subs / sizeof pdo_subs[0])
 
 static struct dcf_entry *build_number(struct dcf_builder *self, uint16_t index, unsigned sub,
                                       uint8_t type, const char *name)
@@ -50,28 +54,34 @@ static void set_cob_id(struct dcf_entry *entry, unsigned number)
     put_le32(entry->initial.bytes, number < PREDEFINED_PDO ? base : 0x80000000u);
 }
 
+static void build_parameter(struct dcf_builder *self, uint16_t index, unsigned number, size_t place)
+{
+    uint8_t sub = pdo_subs[place].sub;
+    struct dcf_entry *entry = build_number(self, index, sub, pdo_subs[place].type,
+                                           pdo_subs[place].name);
+
+    if (!entry || !entry->initial.given)
+        return;
+    if (sub == 1)
+        set_cob_id(entry, number);
+    if (sub == 2)
+        entry->initial.bytes[0] = EVENT_DRIVEN;
+}
+
 static void build_communication(struct dcf_builder *self, uint16_t index, unsigned number)
 {
     struct dcf_entry *entry = build_number(self, index, 0, OD_UNSIGNED8, "Highest sub-index");
-    uint8_t highest = 0;
 
     if (!entry)
         return;
     entry->access = OD_CONST;
-    for (size_t i = 0; i < sizeof pdo_subs / sizeof pdo_subs[0]; i++) {
-        if (self->compact_pdo >> pdo_subs[i].bit & 1)
-            highest = pdo_subs[i].sub;
+    for (size_t i = 0; i < PDO_SUB_COUNT; i++) {
+        if (entry->initial.given && (self->compact_pdo >> pdo_subs[i].bit & 1))
+            entry->initial.bytes[0] = pdo_subs[i].sub;
     }
-    if (entry->initial.given)
-        entry->initial.bytes[0] = highest;
-    for (size_t i = 0; i < sizeof pdo_subs / sizeof pdo_subs[0]; i++) {
-        if (!(self->compact_pdo >> pdo_subs[i].bit & 1))
-            continue;
-        entry = build_number(self, index, pdo_subs[i].sub, pdo_subs[i].type, pdo_subs[i].name);
-        if (entry && entry->initial.given && pdo_subs[i].sub == 1)
-            set_cob_id(entry, number);
-        if (entry && entry->initial.given && pdo_subs[i].sub == 2)
-            entry->initial.bytes[0] = 0xFF;
+    for (size_t i = 0; i < PDO_SUB_COUNT; i++) {
+        if (self->compact_pdo >> pdo_subs[i].bit & 1)
+            build_parameter(self, index, number, i);
     }
 }
 

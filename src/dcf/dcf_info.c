@@ -161,26 +161,39 @@ static void build_node_id(struct dcf_builder *self, struct dcf_section *section)
     }
 }
 
+#define BIT_RATES "10, 20, 50, 125, 250, 500, 800 or 1000"
+
+/* 0 where the text is none of the rates in kbit/s. */
+static unsigned parse_bit_rate(struct dcf_slice text, bool *ret_is_zero)
+{
+    struct dcf_number number;
+
+    *ret_is_zero = false;
+    if (!dcf_number_parse(text, &number) || number.has_node_id || number.negative)
+        return 0;
+    *ret_is_zero = number.magnitude == 0;
+    for (size_t i = 0; i < BIT_RATE_COUNT; i++) {
+        if (number.magnitude == bit_rates[i])
+            return bit_rates[i];
+    }
+    return 0;
+}
+
 static void build_bit_rate(struct dcf_builder *self, struct dcf_section *section)
 {
     const struct dcf_key *key = dcf_section_find(section, "Baudrate");
-    struct dcf_number number = { .magnitude = 0 };
-    bool is_number;
+    bool is_zero = false;
 
     self->dcf->baudrate_line = key ? key->line : section->line;
-    is_number = key && dcf_number_parse(key->value, &number) && !number.has_node_id;
-    for (size_t i = 0; is_number && i < BIT_RATE_COUNT; i++) {
-        if (number.magnitude == bit_rates[i] && !number.negative)
-            self->dcf->baudrate = bit_rates[i];
-    }
-    if (!key || (is_number && number.magnitude == 0))
+    if (key)
+        self->dcf->baudrate = parse_bit_rate(key->value, &is_zero);
+    if (!key || is_zero)
         co_report_add(self->report, CO_WARNING, self->dcf->baudrate_line,
-                      "[%s] Baudrate: 10, 20, 50, 125, 250, 500, 800 or 1000 expected, there is %s",
-                      dcf_show(section->name).text, key ? "0: taken as not configured" : "none");
+                      "[%s] Baudrate: " BIT_RATES " expected, there is %s: not configured",
+                      dcf_show(section->name).text, key ? "0" : "none");
     else if (self->dcf->baudrate == 0)
         dcf_error_add(self->report, DCF_ERROR_WRONG_BAUDRATE, key->line,
-                      "[%s] Baudrate: 10, 20, 50, 125, 250, 500, 800 or 1000 expected, there is "
-                      "\"%s\"",
+                      "[%s] Baudrate: " BIT_RATES " expected, there is \"%s\"",
                       dcf_show(section->name).text, dcf_show(key->value).text);
 }
 

@@ -131,35 +131,41 @@ enum dcf_fit dcf_number_store(const struct dcf_number *self, uint8_t type, uint8
     return DCF_FITS;
 }
 
-static size_t skip_digits(struct dcf_slice text, size_t at)
+static size_t count_digits(struct dcf_slice text)
 {
-    while (at < text.size && text.text[at] >= '0' && text.text[at] <= '9')
-        at++;
-    return at;
+    size_t count = 0;
+
+    while (count < text.size && text.text[count] >= '0' && text.text[count] <= '9')
+        count++;
+    return count;
+}
+
+static struct dcf_slice skip_sign(struct dcf_slice text)
+{
+    bool sign = text.size > 0 && (text.text[0] == '-' || text.text[0] == '+');
+
+    return dcf_slice_skip(text, sign ? 1 : 0);
 }
 
 /* [+-] digits [. digits] [e [+-] digits], with a digit before or behind the point */
 static bool is_fraction(struct dcf_slice text)
 {
-    size_t sign = text.size > 0 && (text.text[0] == '-' || text.text[0] == '+') ? 1 : 0;
-    size_t at = skip_digits(text, sign);
-    size_t digits = at - sign;
-    size_t start;
+    size_t digits, behind = 0;
 
-    if (at < text.size && text.text[at] == '.') {
-        start = at + 1;
-        at = skip_digits(text, start);
-        digits += at - start;
+    text = skip_sign(text);
+    digits = count_digits(text);
+    text = dcf_slice_skip(text, digits);
+    if (dcf_slice_begins(text, ".")) {
+        text = dcf_slice_skip(text, 1);
+        behind = count_digits(text);
+        text = dcf_slice_skip(text, behind);
     }
-    if (digits > 0 && at < text.size && (text.text[at] == 'e' || text.text[at] == 'E')) {
-        start = at + 1;
-        if (start < text.size && (text.text[start] == '-' || text.text[start] == '+'))
-            start++;
-        at = skip_digits(text, start);
-        if (at == start)
-            return false;
-    }
-    return digits > 0 && at == text.size;
+    if (digits + behind == 0)
+        return false;
+    if (!dcf_slice_begins(text, "e"))
+        return text.size == 0;
+    text = skip_sign(dcf_slice_skip(text, 1));
+    return text.size > 0 && count_digits(text) == text.size;
 }
 
 /* In the C locale, whatever the process's. */

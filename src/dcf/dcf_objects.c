@@ -11,6 +11,7 @@
 #define OBJECT_ARRAY     8u
 #define OBJECT_RECORD    9u
 
+#define COMPACT_MAX   254u
 #define STRUCTURE_SUB 0xFFu /* the object's own description: not counted by SubNumber */
 
 struct group {                  /* the sections of one object */
@@ -93,7 +94,7 @@ static void build_sub(struct dcf_builder *self, const struct group *group,
     if (!entry)
         return;
     dcf_fill_entry(self, section, entry);
-    if (is_single(entry->object_type) == false)
+    if (!is_single(entry->object_type))
         co_report_add(self->report, CO_WARNING, section->line,
                       "[%s] ObjectType: 7 (VAR) expected for a sub-index, there is %u",
                       dcf_show(section->name).text, entry->object_type);
@@ -150,6 +151,24 @@ static void build_orphans(struct dcf_builder *self, struct group *group)
         build_sub(self, group, &group->subs[i]);
 }
 
+static bool is_of_object(const struct dcf_text *text, size_t place)
+{
+    return place < text->section_count && text->sections[place].kind < DCF_SECTION_IGNORED;
+}
+
+/* 255 stands in files for "as many as there can be". */
+static unsigned read_compact(struct dcf_builder *self, struct dcf_section *section)
+{
+    unsigned count = dcf_key_number(self, section, "CompactSubObj", UINT8_MAX, 0);
+
+    if (count <= COMPACT_MAX)
+        return count;
+    co_report_add(self->report, CO_WARNING, section->line,
+                  "[%s] CompactSubObj: at most %u expected, there is %u: taken as %u",
+                  dcf_show(section->name).text, COMPACT_MAX, count, COMPACT_MAX);
+    return COMPACT_MAX;
+}
+
 static void build_group(struct dcf_builder *self, struct group *group)
 {
     unsigned compact;
@@ -160,7 +179,7 @@ static void build_group(struct dcf_builder *self, struct group *group)
         return;
     }
     group->object_type = read_object_type(self, group);
-    compact = dcf_key_number(self, group->object, "CompactSubObj", 254, 0);
+    compact = read_compact(self, group->object);
     if (compact > 0 && group->sub_count == 0) {
         dcf_build_compact(self, group->object, compact);
     } else if (has_subs(group->object_type)) {
@@ -177,26 +196,31 @@ static void build_group(struct dcf_builder *self, struct group *group)
     dcf_tell_unused(self, group->object);
 }
 
+/* Collects the sections of one object; the place of the next one. */
+static size_t collect_group(struct dcf_text *text, size_t place, struct group *group)
+{
+    uint16_t index = text->sections[place].index;
+
+    *group = (struct group){ .sub_count = 0 };
+    for (; is_of_object(text, place) && text->sections[place].index == index; place++) {
+        if (text->sections[place].kind == DCF_SECTION_OBJECT)
+            group->object = &text->sections[place];
+        else if (text->sections[place].kind == DCF_SECTION_SUB && group->sub_count++ == 0)
+            group->subs = &text->sections[place];
+    }
+    return place;
+}
+
 void dcf_build_objects(struct dcf_builder *self)
 {
     struct dcf_text *text = &self->text;
-    size_t i = 0;
+    struct group group;
+    size_t place = 0;
 
-    while (i < text->section_count && text->sections[i].kind < DCF_SECTION_OBJECT)
-        i++;
-    while (i < text->section_count && text->sections[i].kind < DCF_SECTION_IGNORED &&
-           !self->no_memory) {
-        struct group group = { .sub_count = 0 };
-        uint16_t index = text->sections[i].index;
-
-        for (; i < text->section_count && text->sections[i].kind < DCF_SECTION_IGNORED &&
-               text->sections[i].index == index;
-             i++) {
-            if (text->sections[i].kind == DCF_SECTION_OBJECT)
-                group.object = &text->sections[i];
-            else if (text->sections[i].kind == DCF_SECTION_SUB && group.sub_count++ == 0)
-                group.subs = &text->sections[i];
-        }
+    while (place < text->section_count && text->sections[place].kind < DCF_SECTION_OBJECT)
+        place++;
+    while (is_of_object(text, place) && !self->no_memory) {
+        place = collect_group(text, place, &group);
         build_group(self, &group);
     }
     if (self->no_name > 0)

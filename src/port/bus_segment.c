@@ -197,18 +197,42 @@ void segment_close(struct segment *self)
 
 /* --- the lock --- */
 
-static int take_mutex(pthread_mutex_t *mutex, co_us_t limit)
+#if defined(__SANITIZE_THREAD__)
+#define UNDER_THREAD_SANITIZER 1
+#elif defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define UNDER_THREAD_SANITIZER 1
+#endif
+#endif
+
+#ifdef UNDER_THREAD_SANITIZER
+/* The thread sanitizer does not know pthread_mutex_clocklock() and takes it for no lock at all. */
+static int wait_for_mutex(pthread_mutex_t *mutex, co_us_t deadline)
 {
-    struct timespec until;
-    co_us_t deadline;
+    const struct timespec pause = { .tv_nsec = 50000 };
     int error = pthread_mutex_trylock(mutex);
 
-    if (error != EBUSY || limit == 0)
-        return error;
-    deadline = clock_now() + limit;
-    until.tv_sec = (time_t)(deadline / 1000000u);
-    until.tv_nsec = (long)(deadline % 1000000u) * 1000;
+    while (error == EBUSY && clock_now() < deadline) {
+        nanosleep(&pause, NULL);
+        error = pthread_mutex_trylock(mutex);
+    }
+    return error;
+}
+#else
+static int wait_for_mutex(pthread_mutex_t *mutex, co_us_t deadline)
+{
+    const struct timespec until = { .tv_sec = (time_t)(deadline / 1000000u),
+                                    .tv_nsec = (long)(deadline % 1000000u) * 1000 };
+
     return pthread_mutex_clocklock(mutex, CLOCK_MONOTONIC, &until);
+}
+#endif
+
+static int take_mutex(pthread_mutex_t *mutex, co_us_t limit)
+{
+    int error = pthread_mutex_trylock(mutex);
+
+    return error == EBUSY && limit > 0 ? wait_for_mutex(mutex, clock_now() + limit) : error;
 }
 
 enum co_err segment_lock(struct segment *self, co_us_t limit)

@@ -41,7 +41,7 @@ def load_lizard(root):
 
 def source_files(root, folder):
     return sorted(p for p in (root / folder).rglob("*")
-                  if p.suffix in SUFFIXES and p.is_file() and "data" not in p.parts)
+                  if p.suffix in SUFFIXES and p.is_file() and not {"data", "corpus"} & set(p.parts))
 
 
 def nesting_of(path, text):

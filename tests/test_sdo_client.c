@@ -3,6 +3,7 @@
 
 #include <check.h>
 
+/* clang-format off */
 static const struct talk talks[] = {
     /* uploads */
     { "upload of 4 bytes, expedited", {
@@ -309,6 +310,7 @@ static const struct talk talks[] = {
         { 0, CALL, "late 2" },
         { 5, IDLE, NULL } } },
 };
+/* clang-format on */
 
 #define TALK_COUNT ((int)(sizeof talks / sizeof talks[0]))
 

@@ -5,6 +5,7 @@
 #include <check.h>
 #include <stdio.h>
 
+/* clang-format off */
 static const struct talk talks[] = {
     /* time */
     { "no answer", {
@@ -133,6 +134,7 @@ static const struct talk talks[] = {
         { 3, CALL, "cancel nothing" },
         { 5000, IDLE, NULL } } },
 };
+/* clang-format on */
 
 #define TALK_COUNT ((int)(sizeof talks / sizeof talks[0]))
 

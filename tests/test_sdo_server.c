@@ -6,6 +6,7 @@
 
 #include <check.h>
 
+/* clang-format off */
 static const struct talk talks[] = {
     /* uploads */
     { "K5: upload of 4 bytes, expedited", {
@@ -271,6 +272,7 @@ static const struct talk talks[] = {
         { 1, SENT, "585#8008100001000405" },
         { 9, IDLE, NULL } } },
 };
+/* clang-format on */
 
 #define TALK_COUNT ((int)(sizeof talks / sizeof talks[0]))
 

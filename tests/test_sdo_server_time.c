@@ -6,6 +6,7 @@
 
 #include <check.h>
 
+/* clang-format off */
 static const struct talk talks[] = {
     { "K29: the client aborts an upload", {
         { 0, GOT,  "605#4008100000000000" },
@@ -167,6 +168,7 @@ static const struct talk talks[] = {
         { 2, CALL, "verdict 08000022" },
         { 9, IDLE, NULL } } },
 };
+/* clang-format on */
 
 #define TALK_COUNT ((int)(sizeof talks / sizeof talks[0]))
 
@@ -220,8 +222,8 @@ END_TEST
 /* Frames that are nearly right get far. */
 static struct co_frame garbage(const struct server_bench *self, uint64_t *seed)
 {
-    static const uint16_t objects[] = { 0x1000, 0x1008, 0x1017, 0x1019, 0x2000, 0x2002, 0x2003,
-                                        0x2005, 0x2008, 0x1F50, 0x3000 };
+    static const uint16_t objects[] = { 0x1000, 0x1008, 0x1017, 0x1019, 0x2000, 0x2002,
+                                        0x2003, 0x2005, 0x2008, 0x1F50, 0x3000 };
     const unsigned toggle = self->server.toggle ? 0x10 : 0;
     struct co_frame frame = co_frame_make(0x605, 8);
 
@@ -262,8 +264,7 @@ static void check_output(struct server_bench *self, struct co_outbox *out, struc
             od_check_value(entry, sdo_server_value(&self->server), (uint32_t)event.actual))
             ck_abort_msg("a write that is not valid");
     }
-    if ((self->server.state == SDO_SERVER_IDLE) !=
-        (sdo_server_deadline(&self->server) == CO_NEVER))
+    if ((self->server.state == SDO_SERVER_IDLE) != (sdo_server_deadline(&self->server) == CO_NEVER))
         ck_abort_msg("a deadline without a transfer, or a transfer without a deadline");
 }
 

@@ -93,11 +93,18 @@ static struct od_entry *new_entry(const struct od_spec *spec, uint32_t capacity)
 
     if (!entry)
         return NULL;
-    *entry = (struct od_entry){ .index = spec->index, .sub = spec->sub, .type = spec->type,
-                                .access = spec->access, .mappable = spec->mappable,
-                                .has_low = spec->has_low, .has_high = spec->has_high,
-                                .low = spec->low, .high = spec->high, .capacity = capacity,
-                                .size = size, .initial_size = size };
+    *entry = (struct od_entry){ .index = spec->index,
+                                .sub = spec->sub,
+                                .type = spec->type,
+                                .access = spec->access,
+                                .mappable = spec->mappable,
+                                .has_low = spec->has_low,
+                                .has_high = spec->has_high,
+                                .low = spec->low,
+                                .high = spec->high,
+                                .capacity = capacity,
+                                .size = size,
+                                .initial_size = size };
     entry->value = calloc(1, capacity);
     entry->initial = calloc(1, size > 0 ? size : 1);
     entry->name = spec->name ? strdup(spec->name) : NULL;
@@ -156,8 +163,12 @@ enum co_err od_add_number(struct od *self, uint16_t index, uint8_t sub, uint8_t 
 {
     uint8_t bytes[8];
     uint32_t size = od_type_size(type);
-    const struct od_spec spec = { .index = index, .sub = sub, .type = type,
-                                  .access = (uint8_t)access, .value = bytes, .size = size };
+    const struct od_spec spec = { .index = index,
+                                  .sub = sub,
+                                  .type = type,
+                                  .access = (uint8_t)access,
+                                  .value = bytes,
+                                  .size = size };
 
     if (size == 0)
         return CO_ERR_ARG;

@@ -14,7 +14,7 @@
 #define EMCY_QUEUE_MAX 16u
 
 struct emcy_message {
-    uint16_t code;  /* 0000h: an error has gone */
+    uint16_t code;          /* 0000h: an error has gone */
     uint8_t error_register; /* 1001h after the event */
     uint8_t field[5];
 };

@@ -113,9 +113,12 @@ static void request_segment(struct sdo_client *self, co_us_t now, struct co_outb
 
 static void tell_end(struct sdo_client *self, struct co_outbox *out)
 {
-    const struct co_event event = { .type = PROTO_SDO_DONE, .node = self->node,
-                                    .detail = self->outcome, .index = self->transfer.index,
-                                    .sub = self->transfer.sub, .code = self->code,
+    const struct co_event event = { .type = PROTO_SDO_DONE,
+                                    .node = self->node,
+                                    .detail = self->outcome,
+                                    .index = self->transfer.index,
+                                    .sub = self->transfer.sub,
+                                    .code = self->code,
                                     .actual = self->actual };
     struct co_frame frame;
 
@@ -326,8 +329,8 @@ static void on_segment_answer(struct sdo_client *self, const struct co_frame *fr
                               struct co_outbox *out)
 {
     const unsigned answer = frame->data[0] >> 5;
-    const unsigned wanted =
-        self->transfer.download ? ANSWER_DOWNLOAD_SEGMENT : ANSWER_UPLOAD_SEGMENT;
+    const unsigned wanted = self->transfer.download ? ANSWER_DOWNLOAD_SEGMENT
+                                                    : ANSWER_UPLOAD_SEGMENT;
 
     if (answer > ANSWER_DOWNLOAD_SEGMENT && !is_same_object(self, frame))
         self->late++;
@@ -363,9 +366,7 @@ static void on_answer(struct sdo_client *self, const struct co_frame *frame, co_
     }
     switch ((enum sdo_client_state)self->state) {
     case SDO_CLIENT_IDLE:
-    case SDO_CLIENT_END:
-        self->late++;
-        return;
+    case SDO_CLIENT_END: self->late++; return;
     case SDO_CLIENT_INITIATE:
     case SDO_CLIENT_SEGMENT: break;
     }

@@ -26,19 +26,19 @@
 #include "base/time.h"
 #include "od/abort.h"
 
-#define SDO_REQUEST_ID    0x600u /* + node-ID, client to server */
-#define SDO_RESPONSE_ID   0x580u
-#define SDO_SEND_TIMEOUT  CO_MS(2000) /* for a request to get on the wire */
+#define SDO_REQUEST_ID   0x600u /* + node-ID, client to server */
+#define SDO_RESPONSE_ID  0x580u
+#define SDO_SEND_TIMEOUT CO_MS(2000) /* for a request to get on the wire */
 
 enum sdo_outcome {
     SDO_OUTCOME_OK,
-    SDO_OUTCOME_ABORTED,      /* by the server; the event has its code */
-    SDO_OUTCOME_NO_ANSWER,    /* time-out, 05040000h was sent */
-    SDO_OUTCOME_NOT_SENT,     /* the request did not get on the wire in time; no abort, code 0 */
-    SDO_OUTCOME_TOGGLE,       /* wrong toggle bit, 05030000h was sent */
-    SDO_OUTCOME_PROTOCOL,     /* unexpected answer, the code in the event was sent */
-    SDO_OUTCOME_OVERFLOW,     /* the server has more than fits, 05040005h was sent */
-    SDO_OUTCOME_CANCELLED     /* by sdo_client_cancel() */
+    SDO_OUTCOME_ABORTED,   /* by the server; the event has its code */
+    SDO_OUTCOME_NO_ANSWER, /* time-out, 05040000h was sent */
+    SDO_OUTCOME_NOT_SENT,  /* the request did not get on the wire in time; no abort, code 0 */
+    SDO_OUTCOME_TOGGLE,    /* wrong toggle bit, 05030000h was sent */
+    SDO_OUTCOME_PROTOCOL,  /* unexpected answer, the code in the event was sent */
+    SDO_OUTCOME_OVERFLOW,  /* the server has more than fits, 05040005h was sent */
+    SDO_OUTCOME_CANCELLED  /* by sdo_client_cancel() */
 };
 
 enum sdo_client_state {
@@ -49,7 +49,7 @@ enum sdo_client_state {
 };
 
 struct sdo_transfer {
-    bool download; /* to the server */
+    bool download;      /* to the server */
     bool indicate_size; /* segmented download: tell the size in advance */
     bool hide_size; /* expedited download: leave the size out */
     uint16_t index;
@@ -62,21 +62,21 @@ struct sdo_transfer {
 
 struct sdo_client {
     uint8_t node;
-    uint8_t state; /* enum sdo_client_state */
-    bool unsent;   /* a request is due that found no room in the outbox */
-    bool on_wire;  /* the last request was confirmed; the time-out runs */
+    uint8_t state;     /* enum sdo_client_state */
+    bool unsent;       /* a request is due that found no room in the outbox */
+    bool on_wire;      /* the last request was confirmed; the time-out runs */
     bool toggle;       /* bit of the segment asked for, or sent, last */
     bool owes_segment; /* the transfer before ended without the answer to its last segment */
     struct sdo_transfer transfer;
-    uint32_t position; /* bytes transferred */
+    uint32_t position;  /* bytes transferred */
     uint32_t announced; /* size the server indicated in an upload; UINT32_MAX: none */
-    uint8_t last_size; /* data bytes in the segment sent last */
-    co_us_t deadline;  /* of the request's way to the wire, then of the answer */
-    uint8_t outcome;   /* SDO_CLIENT_END: enum sdo_outcome, abort code, bytes for the event */
+    uint8_t last_size;  /* data bytes in the segment sent last */
+    co_us_t deadline;   /* of the request's way to the wire, then of the answer */
+    uint8_t outcome;    /* SDO_CLIENT_END: enum sdo_outcome, abort code, bytes for the event */
     sdo_abort_t code;
     uint32_t actual;
     bool tell_server; /* the abort frame is due, too */
-    unsigned late; /* answers that fitted no request, ignored */
+    unsigned late;    /* answers that fitted no request, ignored */
 };
 
 void sdo_client_init(struct sdo_client *self, uint8_t node);

@@ -38,21 +38,21 @@ enum sdo_server_state {
 
 struct sdo_server {
     const struct od *od;
-    uint32_t request_id;  /* CAN-IDs */
+    uint32_t request_id; /* CAN-IDs */
     uint32_t response_id;
     uint8_t state; /* enum sdo_server_state */
     bool enabled;  /* NMT state pre-operational or operational */
     bool toggle;
-    bool unsent;  /* the verdict's response found no room in the outbox yet */
+    bool unsent;    /* the verdict's response found no room in the outbox yet */
     bool segmented; /* the running download came in segments: says which response is due */
     uint16_t index;
     uint8_t sub;
     uint8_t *buffer;
     uint32_t capacity;
-    uint32_t size;      /* upload: bytes in the buffer; download: bytes so far */
-    uint32_t position;  /* upload: bytes sent */
-    uint32_t announced; /* download: size the client indicated; UINT32_MAX: none */
-    uint32_t number;    /* of the write that came last: tells an old verdict from the right one */
+    uint32_t size;       /* upload: bytes in the buffer; download: bytes so far */
+    uint32_t position;   /* upload: bytes sent */
+    uint32_t announced;  /* download: size the client indicated; UINT32_MAX: none */
+    uint32_t number;     /* of the write that came last: tells an old verdict from the right one */
     sdo_abort_t verdict; /* unsent */
     co_us_t deadline;
     unsigned dropped; /* requests that found no room in the outbox */

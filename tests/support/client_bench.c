@@ -28,12 +28,16 @@ void client_bench_start(struct client_bench *self, const char *text, co_us_t now
     memset(self->buffer, UNTOUCHED, sizeof self->buffer);
     *transfer = (struct sdo_transfer){ .download = verb[0] == 'w',
                                        .indicate_size = strcmp(verb, "write+") == 0,
-                                       .index = (uint16_t)index, .sub = (uint8_t)sub,
-                                       .buffer = self->buffer, .timeout = TIMEOUT };
-    if (transfer->download)
+                                       .index = (uint16_t)index,
+                                       .sub = (uint8_t)sub,
+                                       .timeout = TIMEOUT };
+    if (transfer->download) {
+        transfer->source = self->buffer;
         transfer->size = (uint32_t)hex_parse(data, self->buffer, BENCH_ROOM);
-    else
+    } else {
+        transfer->buffer = self->buffer;
         transfer->size = (uint32_t)atoi(data);
+    }
     ck_assert_uint_le(transfer->size, BENCH_ROOM);
     sdo_client_start(&self->client, transfer, now, out);
     self->starts++;
@@ -93,8 +97,8 @@ static void check_guard(const struct client_bench *self)
 void client_bench_describe(struct client_bench *self, const struct co_event *event, char *text,
                            size_t size)
 {
-    static const char *const outcomes[] = { "ok", "aborted", "no answer", "not sent", "toggle",
-                                            "protocol", "overflow", "cancelled" };
+    static const char *const outcomes[] = { "ok",     "aborted",  "no answer", "not sent",
+                                            "toggle", "protocol", "overflow",  "cancelled" };
     char data[2 * BENCH_ROOM + 1];
 
     ck_assert_uint_eq(event->type, PROTO_SDO_DONE);
@@ -118,8 +122,10 @@ static void describe(void *machine, const struct co_event *event, char *text, si
     client_bench_describe(machine, event, text, size);
 }
 
-static const struct talk_machine functions = { .call = call, .on_frame = on_frame,
-                                               .on_time = on_time, .deadline = deadline,
+static const struct talk_machine functions = { .call = call,
+                                               .on_frame = on_frame,
+                                               .on_time = on_time,
+                                               .deadline = deadline,
                                                .describe = describe };
 
 void client_bench_talk(const struct talk *talk, enum talk_stall stall)

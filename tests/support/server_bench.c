@@ -14,11 +14,17 @@
 static const uint8_t zeros[301];
 
 static const struct od_spec entries[] = {
-    { .index = 0x1000, .type = OD_UNSIGNED32, .access = OD_RO,
-      .value = (const uint8_t *)"\x91\x01\x0F", .size = 4 },
+    { .index = 0x1000,
+      .type = OD_UNSIGNED32,
+      .access = OD_RO,
+      .value = (const uint8_t *)"\x91\x01\x0F",
+      .size = 4 },
     { .index = 0x1003, .type = OD_UNSIGNED8, .access = OD_RW, .has_high = true },
-    { .index = 0x1008, .type = OD_VISIBLE_STRING, .access = OD_CONST,
-      .value = (const uint8_t *)NAME, .size = sizeof NAME - 1 },
+    { .index = 0x1008,
+      .type = OD_VISIBLE_STRING,
+      .access = OD_CONST,
+      .value = (const uint8_t *)NAME,
+      .size = sizeof NAME - 1 },
     { .index = 0x1014, .type = OD_UNSIGNED32, .access = OD_RW, .has_low = true, .low = 0x81 },
     { .index = 0x1017, .type = OD_UNSIGNED16, .access = OD_RW },
     { .index = 0x1018, .sub = 0, .type = OD_UNSIGNED8, .access = OD_CONST },
@@ -29,8 +35,13 @@ static const struct od_spec entries[] = {
     { .index = 0x2001, .type = OD_BOOLEAN, .access = OD_RW },
     { .index = 0x2002, .type = OD_VISIBLE_STRING, .access = OD_RO },
     { .index = 0x2003, .type = OD_UNSIGNED64, .access = OD_RW },
-    { .index = 0x2004, .type = OD_INTEGER16, .access = OD_RW, .has_low = true, .has_high = true,
-      .low = -100, .high = 100 },
+    { .index = 0x2004,
+      .type = OD_INTEGER16,
+      .access = OD_RW,
+      .has_low = true,
+      .has_high = true,
+      .low = -100,
+      .high = 100 },
     { .index = 0x2005, .type = OD_VISIBLE_STRING, .access = OD_RW, .capacity = 8 },
     { .index = 0x2006, .type = OD_UNSIGNED32, .access = OD_RW },
     { .index = 0x2007, .type = OD_OCTET_STRING, .access = OD_RW, .capacity = 3 },
@@ -136,8 +147,11 @@ static void describe(void *machine, const struct co_event *event, char *text, si
 void server_bench_talk(const struct talk *talk, enum talk_stall stall)
 {
     struct server_bench bench;
-    const struct talk_machine machine = { .self = &bench, .call = call, .on_frame = on_frame,
-                                          .on_time = on_time, .deadline = deadline,
+    const struct talk_machine machine = { .self = &bench,
+                                          .call = call,
+                                          .on_frame = on_frame,
+                                          .on_time = on_time,
+                                          .deadline = deadline,
                                           .describe = describe };
 
     server_bench_init(&bench);

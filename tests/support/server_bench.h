@@ -32,7 +32,7 @@
 struct server_bench {
     struct od od;
     struct sdo_server server;
-    uint8_t *buffer; /* of exactly BENCH_CAPACITY bytes, for the sanitizer */
+    uint8_t *buffer;  /* of exactly BENCH_CAPACITY bytes, for the sanitizer */
     uint32_t writing; /* number of the transfer told last */
 };
 

@@ -1,0 +1,115 @@
+/* Messages about files, and the texts of errors. */
+#include "base/report.h"
+
+#include "base/error.h"
+
+#include <check.h>
+#include <stdio.h>
+#include <string.h>
+
+struct log {
+    unsigned count;
+    enum co_severity severity;
+    char text[CO_REPORT_TEXT_SIZE];
+};
+
+static void sink(void *context, enum co_severity severity, const char *text)
+{
+    struct log *self = context;
+
+    self->count++;
+    self->severity = severity;
+    snprintf(self->text, sizeof self->text, "%s", text);
+}
+
+START_TEST(test_places)
+{
+    struct log log = { .count = 0 };
+    struct co_report report = { .file = "network.xml", .sink = sink, .context = &log };
+
+    co_report_add(&report, CO_ERROR, 14, "Guard_Time: %d is out of range 0..65535", 70000);
+    ck_assert_str_eq(log.text, "network.xml:14: error: Guard_Time: 70000 is out of range 0..65535");
+    ck_assert_int_eq(log.severity, CO_ERROR);
+    co_report_add(&report, CO_WARNING, 0, "no nodes");
+    ck_assert_str_eq(log.text, "network.xml: warning: no nodes");
+    ck_assert_int_eq(log.severity, CO_WARNING);
+    report.file = NULL;
+    co_report_add(&report, CO_INFO, 3, "hello");
+    ck_assert_str_eq(log.text, "info: hello");
+    ck_assert_uint_eq(log.count, 3);
+    ck_assert_uint_eq(report.errors, 1);
+    ck_assert_uint_eq(report.warnings, 1);
+}
+END_TEST
+
+START_TEST(test_first_error_is_kept)
+{
+    struct co_report report = { .file = "a" };
+
+    co_report_add(&report, CO_WARNING, 1, "warning");
+    co_report_kind(&report, CO_ERR_FORMAT); /* no error yet */
+    ck_assert_int_eq(report.error_kind, 0);
+    co_report_add(&report, CO_ERROR, 2, "first");
+    co_report_kind(&report, CO_ERR_VALUE);
+    co_report_kind(&report, CO_ERR_MEMORY);
+    co_report_add(&report, CO_ERROR, 3, "second");
+    co_report_kind(&report, CO_ERR_FORMAT);
+    ck_assert_str_eq(report.first_error, "a:2: error: first");
+    ck_assert_int_eq(report.error_kind, CO_ERR_VALUE);
+    ck_assert_uint_eq(report.errors, 2);
+}
+END_TEST
+
+START_TEST(test_long_messages_are_cut)
+{
+    char name[2 * CO_REPORT_TEXT_SIZE], message[2 * CO_REPORT_TEXT_SIZE];
+    struct log log = { .count = 0 };
+    struct co_report report = { .file = "a", .sink = sink, .context = &log };
+
+    memset(message, 'm', sizeof message - 1);
+    message[sizeof message - 1] = '\0';
+    co_report_add(&report, CO_ERROR, 1, "%s", message);
+    ck_assert_uint_eq(strlen(log.text), CO_REPORT_TEXT_SIZE - 1);
+    ck_assert_str_eq(report.first_error, log.text);
+    memset(name, 'n', sizeof name - 1);
+    name[sizeof name - 1] = '\0';
+    report.file = name;
+    co_report_add(&report, CO_ERROR, 1, "what happened");
+    ck_assert_str_eq(log.text, "what happened"); /* rather than only half a name */
+}
+END_TEST
+
+START_TEST(test_error_texts)
+{
+    const char *texts[16];
+
+    for (int i = 0; i < 16; i++) {
+        texts[i] = co_err_text((enum co_err) - i);
+        ck_assert_str_ne(texts[i], "unknown error");
+        for (int k = 0; k < i; k++)
+            ck_assert_str_ne(texts[i], texts[k]);
+    }
+    ck_assert_str_eq(co_err_text(CO_ERR_TIMEOUT), "time-out");
+    ck_assert_str_eq(co_err_text((enum co_err) - 99), "unknown error");
+    ck_assert_str_eq(co_err_text((enum co_err)1), "unknown error");
+    ck_assert_str_eq(co_severity_text(CO_WARNING), "warning");
+}
+END_TEST
+
+int main(void)
+{
+    Suite *suite = suite_create("report");
+    TCase *tcase = tcase_create("report");
+    SRunner *runner = srunner_create(suite);
+    int failed;
+
+    tcase_add_test(tcase, test_places);
+    tcase_add_test(tcase, test_first_error_is_kept);
+    tcase_add_test(tcase, test_long_messages_are_cut);
+    tcase_add_test(tcase, test_error_texts);
+    suite_add_tcase(suite, tcase);
+    srunner_run_all(runner, CK_NORMAL);
+    failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed != 0;
+}

@@ -89,6 +89,23 @@ static const struct device_talk talks[] = {
       { { 0, SENDS, "705#00" },
         { 10, HEARS, "605#2100200002000000" }, { 10, SENDS, "585#6000200000000000" },
         { 1009, QUIET, "-" }, { 1010, SENDS, "585#8000200000000405" } } },
+    { "segmented write of 1017h, the heartbeat right behind the answer",
+      { { 0, SENDS, "705#00" },
+        { 1, HEARS, "605#2117100002000000" }, { 1, SENDS, "585#6017100000000000" },
+        { 2, HEARS, "605#0BE8030000000000" }, { 2, SENDS, "585#2000000000000000" },
+        { 2, SENDS, "705#7F" }, { 1002, SENDS, "705#7F" } } },
+    { "SDO requests that do not fit",
+      { { 0, SENDS, "705#00" },
+        { 1, HEARS, "605#E000100000000000" }, { 1, SENDS, "585#8000100001000405" },
+        { 2, HEARS, "605#4000100100000000" }, { 2, SENDS, "585#8000100111000906" },
+        { 3, HEARS, "605#4004100000000000" }, { 3, SENDS, "585#8004100000000206" },
+        { 4, HEARS, "605#2300100001000000" }, { 4, SENDS, "585#8000100002000106" },
+        { 5, HEARS, "605#2317100001000000" }, { 5, SENDS, "585#8017100012000706" },
+        { 6, HEARS, "605#2F17100001000000" }, { 6, SENDS, "585#8017100013000706" },
+        { 7, HEARS, "605#2117100064000000" }, { 7, SENDS, "585#8017100012000706" },
+        { 8, HEARS, "605#2117100002000000" }, { 8, SENDS, "585#6017100000000000" },
+        { 8, HEARS, "605#1BE8030000000000" }, { 8, SENDS, "585#8017100000000305" },
+        { 9, HEARS, "605#4017100000000000" }, { 9, SENDS, "585#4B17100000000000" } } },
     { "heartbeat: starts at once, tells each state, also when stopped, ends",
       { { 0, SENDS, "705#00" },
         { 5, HEARS, "605#2B17100064000000" }, { 5, SENDS, "585#6017100000000000" },
@@ -207,6 +224,18 @@ START_TEST(default_heartbeat_counts_the_boot_up_as_its_first)
 }
 END_TEST
 
+START_TEST(heartbeat_comes_with_the_answer)
+{
+    device_start(&device);
+    device_forget(&device);
+    device_hear(&device, "605#2B17100064000000");
+    device_drain(&device);
+    ck_assert_str_eq(device_next_frame(&device, NULL), "585#6017100000000000");
+    ck_assert_str_eq(device_next_frame(&device, NULL), "705#7F");
+    ck_assert_str_eq(device_next_frame(&device, NULL), "");
+}
+END_TEST
+
 START_TEST(heartbeats_in_ten_seconds)
 {
     device_start(&device);
@@ -214,6 +243,34 @@ START_TEST(heartbeats_in_ten_seconds)
     ck_assert_uint_eq(device_write(&device, 0x1017, 0, 2, 100), SDO_OK);
     device_run(&device, CO_MS(10000));
     ck_assert_uint_eq(device.frame_count, 1 + 101);
+}
+END_TEST
+
+/* The buffer of the server is as large as the largest object. */
+START_TEST(large_values)
+{
+    const struct od_spec spec = {
+        .index = 0x2100, .type = OD_DOMAIN, .access = OD_RW, .capacity = 3000
+    };
+    struct device other;
+    struct od od;
+
+    od_init(&od);
+    ck_assert_int_eq(od_add(&od, &spec, NULL), CO_OK);
+    device_init_od(&other, &od);
+    device_start(&other);
+    device_hear(&other, "605#21002100B80B0000"); /* 3000 = 428 * 7 + 4 bytes */
+    for (unsigned i = 0; i <= 428; i++) {
+        const char *const segments[] = { "605#0011223344556677", "605#1011223344556677",
+                                         "605#0711223344000000" };
+
+        device_hear(&other, segments[i < 428 ? i % 2 : 2]);
+        device_drain(&other);
+        ck_assert_uint_ne(other.frames[other.frame_count - 1].frame.data[0], 0x80);
+        device_forget(&other);
+    }
+    ck_assert_uint_eq(od_find(&other.od, 0x2100, 0)->size, 3000);
+    device_done(&other);
 }
 END_TEST
 
@@ -255,7 +312,9 @@ int main(void)
     tcase_add_test(tcase, own_frames_are_ignored);
     tcase_add_test(tcase, commands_of_its_owner);
     tcase_add_test(tcase, default_heartbeat_counts_the_boot_up_as_its_first);
+    tcase_add_test(tcase, heartbeat_comes_with_the_answer);
     tcase_add_test(tcase, heartbeats_in_ten_seconds);
+    tcase_add_test(tcase, large_values);
     tcase_add_loop_test(tcase, objects_with_1f80_start_by_themselves, 0, 4);
     srunner_run_all(runner, CK_NORMAL);
     failed = srunner_ntests_failed(runner);

@@ -277,6 +277,7 @@ START_TEST(history)
     ck_assert_uint_eq(device_value(&device, 0x1003, 0), 2);
     clear_error(1);
     ck_assert_uint_eq(device_value(&device, 0x1003, 0), 2);
+    ck_assert_uint_eq(device_value(&device, 0x1003, 1), 0xB2A11003);
     ck_assert_uint_eq(device_write(&device, 0x1003, 0, 1, 0), SDO_OK);
     ck_assert_uint_eq(device_value(&device, 0x1003, 0), 0);
     ck_assert_uint_eq(device_read(&device, 0x1003, 1, &value), SDO_NO_DATA);
@@ -329,12 +330,14 @@ START_TEST(full_outbox_boot_up)
 {
     static const char *const expected[] = { "state 0", "state 127", "" };
 
+    ck_assert_uint_eq(device_write(&device, 0x1017, 0, 2, 100), SDO_OK);
+    device_forget(&device);
     device_fill(&device, _i == 0 ? 0 : 8, _i == 1 ? 1 : 8);
     device_hear(&device, "000#8105");
     ck_assert_uint_eq(slave_deadline(&device.slave), 0);
     device_hear(&device, "000#0105");
     device_hear(&device, "605#4000100000000000");
-    slave_on_time(&device.slave, 0, &device.out);
+    slave_on_time(&device.slave, CO_MS(1000), &device.out);
     ck_assert_uint_eq(device.slave.state, NMT_INITIALISING);
     device_drain(&device);
     ck_assert_str_eq(device_next_event(&device), "");
@@ -344,6 +347,26 @@ START_TEST(full_outbox_boot_up)
     ck_assert_str_eq(device_next_frame(&device, NULL), "705#00");
     ck_assert_str_eq(device_next_frame(&device, NULL), "");
     ck_assert_uint_eq(slave_deadline(&device.slave), CO_NEVER);
+}
+END_TEST
+
+START_TEST(full_outbox_power_on)
+{
+    struct slave slave;
+    struct od od;
+
+    od_init(&od);
+    ck_assert_int_eq(slave_init(&slave, 9, &od), CO_OK);
+    device_fill(&device, 0, 8);
+    slave_start(&slave, 0, &device.out);
+    ck_assert_uint_eq(slave_deadline(&slave), 0);
+    device_drain(&device);
+    slave_on_time(&slave, 0, &device.out);
+    device_drain(&device);
+    ck_assert_str_eq(device_next_frame(&device, NULL), "709#00");
+    ck_assert_uint_eq(slave_deadline(&slave), CO_NEVER);
+    slave_done(&slave);
+    od_done(&od);
 }
 END_TEST
 
@@ -530,6 +553,7 @@ static Suite *make_suite(void)
     tcase_add_test(tcase, empty_history_ends_a_running_transfer);
     tcase_add_test(tcase, devices_without_these_objects);
     tcase_add_loop_test(tcase, full_outbox_boot_up, 0, 2);
+    tcase_add_test(tcase, full_outbox_power_on);
     tcase_add_test(tcase, full_outbox_reset_in_a_reset);
     tcase_add_test(tcase, full_outbox_state);
     tcase_add_loop_test(tcase, full_outbox_request, 0, 2);

@@ -248,6 +248,10 @@ START_TEST(a_change_ends_verification)
         { 0x1020, 2, 4, 4, 1, 4 }, { 0x1010, 1, 4, SAVE, 1, 2 }, { 0x1011, 1, 4, LOAD, 1, 2 },
     };
 
+    const struct emcy_message error = { .code = 0x1000, .error_register = 1 };
+
+    ck_assert_int_eq(slave_raise_error(&device.slave, &error, 0, &device.out), CO_OK);
+    device_drain(&device);
     verify(1, 2);
     put(changes[_i].index, changes[_i].sub, changes[_i].size, changes[_i].value);
     expect_verified(changes[_i].date, changes[_i].time);

@@ -138,7 +138,7 @@ void slave_configure_consumer(struct slave *self, uint8_t sub)
         return;
     consumer = &self->consumers[sub - 1];
     hb_consumer_init(&consumer->watch, node);
-    hb_consumer_start(&consumer->watch, node <= NMT_NODE_MAX ? CO_MS(entry & 0xFFFF) : 0);
+    hb_consumer_start(&consumer->watch, CO_MS(entry & 0xFFFF));
     consumer->told_state = consumer->watch.state;
     consumer->changed = true;
     self->consumers_due = true;

@@ -52,7 +52,7 @@ static unsigned put_text(EVENT_T *event, const struct network_config *config,
     if (!boot_text_event(config, from, &severity, text, sizeof text))
         return 0;
     *event = make(config, from->node, PARA_STR, MCANOPEN_MSG_TEXT);
-    snprintf(event->para.str, sizeof event->para.str, "%s", text);
+    snprintf(event->para.str, sizeof event->para.str, "%.63s", text); /* cut to fit */
     return 1;
 }
 

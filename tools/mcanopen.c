@@ -1,0 +1,62 @@
+/*
+ * mcanopen: boot a CANopen network, simulate its devices, watch its bus.
+ */
+#include "verbs.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/signalfd.h>
+
+static const char usage[] =
+    "usage: mcanopen VERB ...\n"
+    "\n"
+    "  boot NETWORK.xml           boot the network that the file describes, and watch it\n"
+    "  sim NETWORK.xml            simulate the devices of a network from their EDS/DCF files\n"
+    "  sim --node 5 DEVICE.eds    simulate single devices\n"
+    "  dump BUS                   print the frames of a bus, as candump -L does\n"
+    "\n"
+    "'mcanopen VERB --help' tells the options of a verb.\n"
+    "A bus is a SocketCAN interface (can0, vcan0) or \"virtual:NAME\", a bus of this machine\n"
+    "without hardware and without privileges.\n";
+
+static const struct {
+    const char *name;
+    int (*run)(int argc, char **argv);
+} verbs[] = {
+    { "boot", verb_boot },
+    { "sim", verb_sim },
+    { "dump", verb_dump },
+};
+
+int stop_signals(void)
+{
+    sigset_t signals;
+
+    sigemptyset(&signals);
+    sigaddset(&signals, SIGINT);
+    sigaddset(&signals, SIGTERM);
+    if (sigprocmask(SIG_BLOCK, &signals, NULL) != 0)
+        return -1;
+    return signalfd(-1, &signals, SFD_CLOEXEC);
+}
+
+int main(int argc, char **argv)
+{
+    if (argc >= 2 && strcmp(argv[1], "--version") == 0) {
+        printf("mcanopen %d.%d.%d\n", MCANOPEN_VERSION_MAJOR, MCANOPEN_VERSION_MINOR,
+               MCANOPEN_VERSION_PATCH);
+        return EXIT_UP;
+    }
+    if (argc >= 2 && (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0)) {
+        fputs(usage, stdout);
+        return EXIT_UP;
+    }
+    for (size_t i = 0; argc >= 2 && i < sizeof verbs / sizeof verbs[0]; i++)
+        if (strcmp(argv[1], verbs[i].name) == 0)
+            return verbs[i].run(argc - 1, argv + 1);
+    if (argc >= 2)
+        fprintf(stderr, "mcanopen: no verb \"%s\"\n", argv[1]);
+    fputs(usage, stderr);
+    return EXIT_USAGE;
+}

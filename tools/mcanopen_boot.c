@@ -1,0 +1,364 @@
+/*
+ * mcanopen boot: boots the networks of an XML file, tells each step, and shows what came of it.
+ */
+#include "verbs.h"
+
+#include "api/file.h"
+#include "api/registry.h"
+#include "mcanopen.h"
+#include "port/clock.h"
+#include "proto/nmt.h"
+
+#include <errno.h>
+#include <getopt.h>
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+static const char usage[] =
+    "usage: mcanopen boot [options] NETWORK.xml\n"
+    "\n"
+    "Boots the network and tells each step of each node, then shows a table of the nodes; stays\n"
+    "and reports what happens until Ctrl-C.\n"
+    "\n"
+    "  --once           end when the network is up or has failed\n"
+    "  --all            the network is up only when the optional nodes are up, too\n"
+    "  --timeout SECS   wait at most so long for it to come up\n"
+    "                   (default: Boot_Time and 5 s more, 30 s where Boot_Time is 0)\n"
+    "  -q, --quiet      no steps, only warnings, errors and the table\n"
+    "  -h, --help       this text\n"
+    "\n"
+    "Bus: <Interface> of the file, else can<Net_No>; the environment overrides both:\n"
+    "MCANOPEN_NET_0=vcan0 or MCANOPEN_NET_0=virtual:demo for the network with Net_No 0.\n"
+    "\n"
+    "Exit codes: 0 up, 1 not all required nodes are up, 2 usage or a fault in a file, 3 bus.\n";
+
+#define NETS_MAX 16
+
+struct boot {
+    const char *path;
+    bool once, all, quiet;
+    co_us_t timeout; /* 0: from the file */
+    co_us_t start;
+    co_us_t limit;   /* for coming up; CO_NEVER afterwards */
+    int nets[NETS_MAX];
+    unsigned net_count;
+    int changed;  /* eventfd: something was told */
+    int signals;  /* signalfd */
+};
+
+struct row {
+    int node;
+    BOOT_RECORD_T record;
+};
+
+struct table {
+    struct row rows[NETS_MAX * NETWORK_NODE_MAX];
+    unsigned count;
+};
+
+/* --- lines --- */
+
+static void print_line(void *context, int level, const char *text)
+{
+    static const char *const prefixes[] = { "error: ", "warning: ", "" };
+    struct boot *self = context;
+    co_us_t elapsed = self->start ? clock_now() - self->start : 0;
+    const uint64_t one = 1;
+    ssize_t written;
+
+    if (!self->start)
+        fprintf(stderr, "%s\n", text); /* about the files: has its place and kind already */
+    else if (level < MCANOPEN_LOG_INFO || !self->quiet)
+        printf("%4u.%03u  %s%s\n", (unsigned)(elapsed / 1000000u),
+               (unsigned)(elapsed / 1000u % 1000u), prefixes[level], text);
+    fflush(stdout);
+    written = write(self->changed, &one, sizeof one);
+    (void)written; /* a full counter wakes as well */
+}
+
+/* --- state of the networks --- */
+
+static bool is_up(const struct boot *self)
+{
+    for (unsigned i = 0; i < self->net_count; i++) {
+        struct managed *managed;
+        bool up;
+        co_us_t now;
+
+        if (registry_enter(self->nets[i], true, &managed) != MCANOPEN_OK)
+            return false;
+        network_enter(managed->network, &now);
+        up = manager_is_up(managed->manager, self->all);
+        network_leave(managed->network, managed->config->manager_node_id);
+        registry_leave();
+        if (!up)
+            return false;
+    }
+    return true;
+}
+
+static bool manager_has_failed(const struct manager *manager, bool all)
+{
+    if (manager->state == NETWORK_HALTED)
+        return true;
+    for (size_t i = 0; all && i < manager->config->node_count; i++)
+        if (manager->nodes[manager->config->nodes[i].node_id].step == BOOT_FAILED)
+            return true;
+    return false;
+}
+
+/* It will not come up by itself. */
+static bool has_failed(const struct boot *self)
+{
+    bool failed = false;
+
+    for (unsigned i = 0; i < self->net_count; i++) {
+        struct managed *managed;
+        co_us_t now;
+
+        if (registry_enter(self->nets[i], true, &managed) != MCANOPEN_OK)
+            return true;
+        network_enter(managed->network, &now);
+        failed |= manager_has_failed(managed->manager, self->all);
+        network_leave(managed->network, managed->config->manager_node_id);
+        registry_leave();
+    }
+    return failed;
+}
+
+/* --- the table --- */
+
+static void collect(const struct boot *self, struct table *table)
+{
+    table->count = 0;
+    for (unsigned i = 0; i < self->net_count; i++) {
+        for (int node = 1; node <= (int)NETWORK_NODE_MAX; node++) {
+            struct row *row = &table->rows[table->count];
+
+            row->node = node;
+            row->record.size = sizeof row->record;
+            if (mcanOpenGetBootRecord(self->nets[i], node, &row->record) == MCANOPEN_OK)
+                table->count++;
+        }
+    }
+}
+
+static const char *state_name(const BOOT_RECORD_T *record)
+{
+    switch (record->state) {
+    case NMT_OPERATIONAL: return "OPERATIONAL";
+    case NMT_PREOPERATIONAL: return "PRE-OPERATIONAL";
+    case NMT_STOPPED: return "STOPPED";
+    default: return "offline";
+    }
+}
+
+static const char *result_name(const BOOT_RECORD_T *record)
+{
+    if (record->booted)
+        return "booted";
+    return record->step == MCANOPEN_STEP_FAILED ? "FAILED" : "MISSING";
+}
+
+static void print_table(const struct table *table)
+{
+    size_t width = 4;
+
+    for (unsigned i = 0; i < table->count; i++)
+        if (strlen(table->rows[i].record.name) > width)
+            width = strlen(table->rows[i].record.name);
+    printf("\nnode  %-*s  kind       state            boot\n", (int)width, "name");
+    for (unsigned i = 0; i < table->count; i++) {
+        const BOOT_RECORD_T *record = &table->rows[i].record;
+
+        printf("%4d  %-*s  %-9s  %-15s  %s", table->rows[i].node, (int)width, record->name,
+               record->mandatory ? "mandatory" : "optional", state_name(record),
+               result_name(record));
+        if (!record->booted)
+            printf(": %s", record->text);
+        printf("\n");
+    }
+    fflush(stdout);
+}
+
+/* --- running --- */
+
+/* Default time for coming up: the longest of all networks. */
+static co_us_t default_timeout(const struct network_config *networks, size_t count)
+{
+    co_us_t longest = 0;
+
+    for (size_t i = 0; i < count; i++) {
+        co_us_t own = networks[i].boot_time ? CO_MS(networks[i].boot_time) + CO_MS(5000)
+                                            : CO_MS(30000);
+
+        own += CO_MS(networks[i].boot_delay);
+        if (own > longest)
+            longest = own;
+    }
+    return longest;
+}
+
+/* What the program itself needs from the file; the library has read and checked it before. */
+static bool read_nets(struct boot *self)
+{
+    struct co_report report = { .file = self->path };
+    struct network_config *networks = NULL;
+    size_t count = 0, size;
+    char *text = NULL;
+
+    if (file_read(self->path, &text, &size) != CO_OK)
+        return false;
+    if (network_config_parse(text, size, &report, &networks, &count) == CO_OK) {
+        for (size_t i = 0; i < count && i < NETS_MAX; i++)
+            self->nets[self->net_count++] = networks[i].net;
+        if (self->timeout == 0)
+            self->timeout = default_timeout(networks, count);
+    }
+    network_config_free(networks, count);
+    free(text);
+    return self->net_count > 0;
+}
+
+static int poll_timeout(const struct boot *self)
+{
+    co_us_t now = clock_now();
+
+    if (self->limit == CO_NEVER)
+        return -1;
+    return self->limit <= now ? 0 : (int)((self->limit - now + 999u) / 1000u);
+}
+
+/* Until something was told, a signal came (true), or the time limit. */
+static bool wait_for_news(const struct boot *self)
+{
+    struct pollfd fds[] = { { .fd = self->changed, .events = POLLIN },
+                            { .fd = self->signals, .events = POLLIN } };
+    uint64_t count;
+    ssize_t got = 0;
+
+    if (poll(fds, 2, poll_timeout(self)) < 0)
+        return errno != EINTR;
+    if (fds[0].revents)
+        got = read(self->changed, &count, sizeof count);
+    (void)got;
+    return fds[1].revents != 0;
+}
+
+/* Until the network is up, has failed, or the time is over; false: interrupted. */
+static bool wait_until_decided(struct boot *self)
+{
+    while (!is_up(self) && !has_failed(self) && clock_now() < self->limit)
+        if (wait_for_news(self))
+            return false;
+    return true;
+}
+
+static int finish(const struct boot *self, struct table *table, bool up)
+{
+    collect(self, table);
+    mcanOpenShutDown(); /* the last lines of the log come before the table */
+    print_table(table);
+    if (!up && clock_now() >= self->limit)
+        printf("\nnot up within %u.%u s\n", (unsigned)(self->timeout / 1000000u),
+               (unsigned)(self->timeout / 100000u % 10u));
+    return up ? EXIT_UP : EXIT_NOT_UP;
+}
+
+static int run(struct boot *self)
+{
+    static struct table table;
+    bool go_on;
+
+    self->start = clock_now();
+    self->limit = self->start + self->timeout;
+    mcanOpenStart();
+    go_on = wait_until_decided(self);
+    if (self->once || !go_on)
+        return finish(self, &table, is_up(self));
+    collect(self, &table);
+    print_table(&table);
+    self->limit = CO_NEVER;
+    while (!wait_for_news(self))
+        continue;
+    return finish(self, &table, is_up(self));
+}
+
+static int boot(struct boot *self)
+{
+    int result;
+
+    self->changed = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+    self->signals = stop_signals();
+    if (self->changed < 0 || self->signals < 0 || mcanOpenInitialize() != MCANOPEN_OK) {
+        fprintf(stderr, "mcanopen boot: out of resources: %s\n", strerror(errno));
+        return EXIT_USAGE;
+    }
+    mcanOpenSetLog(print_line, self);
+    result = mcanOpenConfig(self->path);
+    if (!read_nets(self))
+        result = EXIT_USAGE;
+    else if (result != MCANOPEN_OK)
+        result = result == MCAL_SYS_ERROR ? EXIT_BUS : EXIT_USAGE; /* the file is readable */
+    else
+        result = run(self);
+    mcanOpenCleanup();
+    close(self->changed);
+    close(self->signals);
+    return result;
+}
+
+static bool parse_seconds(const char *text, co_us_t *ret_time)
+{
+    char *end;
+    double seconds = strtod(text, &end);
+
+    if (end == text || *end || !(seconds > 0) || seconds > 86400)
+        return false;
+    *ret_time = (co_us_t)(seconds * 1e6);
+    return true;
+}
+
+static int parse_options(struct boot *self, int argc, char **argv)
+{
+    static const struct option options[] = {
+        { "once", no_argument, NULL, 'o' },          { "all", no_argument, NULL, 'a' },
+        { "timeout", required_argument, NULL, 't' }, { "quiet", no_argument, NULL, 'q' },
+        { "help", no_argument, NULL, 'h' },          { NULL, 0, NULL, 0 }
+    };
+    int option;
+
+    while ((option = getopt_long(argc, argv, "qh", options, NULL)) != -1) {
+        switch (option) {
+        case 'o': self->once = true; break;
+        case 'a': self->all = true; break;
+        case 'q': self->quiet = true; break;
+        case 't':
+            if (parse_seconds(optarg, &self->timeout))
+                break;
+            fprintf(stderr, "mcanopen boot: --timeout %s: expected seconds, more than 0\n", optarg);
+            return EXIT_USAGE;
+        case 'h': fputs(usage, stdout); return EXIT_UP;
+        default: fputs(usage, stderr); return EXIT_USAGE;
+        }
+    }
+    if (optind + 1 == argc) {
+        self->path = argv[optind];
+        return -1;
+    }
+    fputs(usage, stderr);
+    return EXIT_USAGE;
+}
+
+int verb_boot(int argc, char **argv)
+{
+    struct boot self = { .once = false };
+    int result = parse_options(&self, argc, argv);
+
+    return result >= 0 ? result : boot(&self);
+}

@@ -12,6 +12,11 @@ endfunction()
 house_check(check_layers
     --objects ${PROJECT_BINARY_DIR}/CMakeFiles/mcanopen_objects.dir/src)
 house_check(check_budgets)
-if(EXISTS ${PROJECT_SOURCE_DIR}/src/api/mcanopen.map)
-    house_check(check_exports ${PROJECT_SOURCE_DIR}/src/api/mcanopen.map $<TARGET_FILE:mcanopen>)
-endif()
+house_check(check_exports
+    ${PROJECT_SOURCE_DIR}/src/api/mcanopen.map
+    $<TARGET_FILE:mcanopen> ${PROJECT_BINARY_DIR}/libmcanopen.a)
+
+# An application of the static library that has functions named like internal ones.
+add_executable(static_link static_link.c)
+target_link_libraries(static_link PRIVATE mcanopen_settings mcanopen_static)
+add_test(NAME static_link COMMAND static_link)

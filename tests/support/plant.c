@@ -24,11 +24,37 @@ static void on_event(void *context, const struct co_event *event)
         self->events_size += (size_t)length;
 }
 
-static bool on_frame(void *context, const struct co_frame *frame, uint8_t sender)
+static bool begins_like(const struct co_frame *frame, const char *beginning)
+{
+    char text[CO_FRAME_TEXT_SIZE];
+
+    co_frame_format(frame, text, sizeof text);
+    return strncmp(text, beginning, strlen(beginning)) == 0;
+}
+
+static bool tell_lie(struct plant *self, const struct co_frame *frame)
+{
+    for (unsigned i = 0; i < self->lie_count; i++) {
+        struct plant_lie *lie = &self->lies[i];
+
+        if (lie->times == 0 || !begins_like(frame, lie->request))
+            continue;
+        lie->times--;
+        if (lie->answer)
+            sim_say(&self->sim, lie->answer);
+        return true;
+    }
+    return false;
+}
+
+static enum sim_fate on_frame(void *context, const struct co_frame *frame, uint8_t sender)
 {
     struct plant *self = context;
+    enum sim_fate fate = self->fault ? self->fault(self, frame, sender) : SIM_DELIVER;
 
-    return self->fault && self->fault(self, frame, sender);
+    if (fate == SIM_DELIVER && tell_lie(self, frame))
+        return SIM_UNHEARD;
+    return fate;
 }
 
 struct plant *plant_new(const char *xml, unsigned bitrate)
@@ -45,8 +71,8 @@ struct plant *plant_new(const char *xml, unsigned bitrate)
             "<Baudrate>1000</Baudrate>%s</Manager_Instance></CANopen_Manager>",
             xml);
     fclose(stream);
-    ck_assert_msg(network_config_parse(text, size, &report, &self->config,
-                                       &self->config_count) == CO_OK,
+    ck_assert_msg(network_config_parse(text, size, &report, &self->config, &self->config_count) ==
+                      CO_OK,
                   "%s", report.first_error);
     free(text);
     sim_init(&self->sim, bitrate);
@@ -117,8 +143,8 @@ void plant_configure(struct plant *self, uint8_t node, uint16_t index, uint8_t s
     put_le(bytes, size, value);
     for (size_t i = 0; i < self->config->node_count; i++)
         if (self->config->nodes[i].node_id == node)
-            ck_assert_int_eq(
-                ccf_append(&self->config->nodes[i].ccf, index, sub, bytes, size), CO_OK);
+            ck_assert_int_eq(ccf_append(&self->config->nodes[i].ccf, index, sub, bytes, size),
+                             CO_OK);
 }
 
 void plant_power_on(struct plant *self)
@@ -133,6 +159,31 @@ void plant_power_on(struct plant *self)
     ck_assert_int_eq(manager_init(self->manager, self->config), CO_OK);
     self->manager_device = sim_add_manager(&self->sim, self->manager);
     sim_power(&self->sim, self->manager_device, true);
+}
+
+void plant_power(struct plant *self, uint8_t node, bool on)
+{
+    sim_power(&self->sim, self->devices[node]->sim, on);
+}
+
+void plant_lie(struct plant *self, const char *request, const char *answer, unsigned times)
+{
+    ck_assert_uint_lt(self->lie_count, PLANT_LIES);
+    self->lies[self->lie_count++] = (struct plant_lie){ request, answer, times };
+}
+
+enum co_err plant_command(struct plant *self, enum nmt_command command, uint8_t node)
+{
+    return manager_command(self->manager, command, node, self->sim.now, &self->manager_device->box);
+}
+
+unsigned plant_sent(const struct plant *self, const char *frame)
+{
+    unsigned count = 0;
+
+    for (size_t i = 0; i < self->sim.trace_count; i++)
+        count += begins_like(&self->sim.trace[i].frame, frame);
+    return count;
 }
 
 void plant_run_ms(struct plant *self, unsigned ms)

@@ -8,6 +8,15 @@
 
 #define PLANT_TEXT_SIZE 65536u
 
+#define PLANT_LIES 8u
+
+/* A request that the device never hears, and what is answered in its place. */
+struct plant_lie {
+    const char *request; /* the frame's text, or the beginning of it */
+    const char *answer;  /* NULL: silence */
+    unsigned times;      /* how often still */
+};
+
 struct plant_device {
     struct od od;
     struct slave slave;
@@ -21,10 +30,12 @@ struct plant {
     struct manager *manager;
     struct sim_device *manager_device;
     struct plant_device *devices[NETWORK_NODE_MAX + 1]; /* by node-ID; NULL: not simulated */
-    char events[PLANT_TEXT_SIZE]; /* each event's text, a line each */
+    char events[PLANT_TEXT_SIZE];                       /* each event's text, a line each */
     size_t events_size;
-    bool (*fault)(struct plant *self, const struct co_frame *frame, uint8_t sender);
+    enum sim_fate (*fault)(struct plant *self, const struct co_frame *frame, uint8_t sender);
     void *fault_context;
+    struct plant_lie lies[PLANT_LIES];
+    unsigned lie_count;
 };
 
 /* The XML is the inside of <Manager_Instance>; Net_No and Baudrate are given already. */
@@ -42,6 +53,14 @@ void plant_configure(struct plant *self, uint8_t node, uint16_t index, uint8_t s
 
 /* Powers devices, then the manager. */
 void plant_power_on(struct plant *self);
+/* Powers one device. */
+void plant_power(struct plant *self, uint8_t node, bool on);
+/* The next 'times' requests that begin like this get this answer, not the device's. */
+void plant_lie(struct plant *self, const char *request, const char *answer, unsigned times);
+/* An order of the application. */
+enum co_err plant_command(struct plant *self, enum nmt_command command, uint8_t node);
+/* How often a frame with a text that begins like this was on the wire. */
+unsigned plant_sent(const struct plant *self, const char *frame);
 void plant_run_ms(struct plant *self, unsigned ms);
 struct boot_node *plant_node(struct plant *self, uint8_t node);
 bool plant_said(const struct plant *self, const char *text);

@@ -11,6 +11,7 @@ void sim_init(struct sim *self, unsigned bitrate)
     self->bitrate = bitrate;
     self->sending = -1;
     self->now = CO_MS(1000);
+    self->box_size = SIM_BOX;
 }
 
 void sim_done(struct sim *self)
@@ -22,7 +23,8 @@ static struct sim_device *add_device(struct sim *self)
 {
     struct sim_device *device = &self->devices[self->device_count++];
 
-    co_outbox_init(&device->box, device->frames, SIM_BOX, device->events, SIM_BOX);
+    assert(self->device_count <= SIM_DEVICES);
+    co_outbox_init(&device->box, device->frames, self->box_size, device->events, self->box_size);
     return device;
 }
 
@@ -75,14 +77,14 @@ static co_us_t frame_time(const struct sim *self, const struct co_frame *frame)
     return self->bitrate ? (co_us_t)bits * 1000000u / self->bitrate : 0;
 }
 
-static void record(struct sim *self, uint8_t sender)
+static void record(struct sim *self, const struct co_frame *frame, uint8_t sender)
 {
     if (self->trace_count == self->trace_room) {
         self->trace_room = self->trace_room ? 2 * self->trace_room : 1024;
         self->trace = realloc(self->trace, self->trace_room * sizeof *self->trace);
         assert(self->trace);
     }
-    self->trace[self->trace_count++] = (struct sim_line){ self->now, sender, self->on_wire };
+    self->trace[self->trace_count++] = (struct sim_line){ self->now, sender, *frame };
 }
 
 static void deliver(struct sim *self, const struct co_frame *frame, int sender)
@@ -98,22 +100,49 @@ static void deliver(struct sim *self, const struct co_frame *frame, int sender)
             copy.flags |= CO_FRAME_OWN;
         if (device->manager)
             manager_on_frame(device->manager, &copy, self->now, &device->box);
-        else
+        else if (device->slave)
             slave_on_frame(device->slave, &copy, self->now, &device->box);
         take_events(self, device);
     }
 }
 
+/* Only the sender gets it back. */
+static void confirm(struct sim *self, const struct co_frame *frame, struct sim_device *sender)
+{
+    struct co_frame own = *frame;
+
+    own.flags |= CO_FRAME_OWN;
+    if (sender->manager)
+        manager_on_frame(sender->manager, &own, self->now, &sender->box);
+    take_events(self, sender);
+}
+
 static void end_frame(struct sim *self)
 {
-    int sender = self->sending;
-    uint8_t node = self->devices[sender].node;
+    struct sim_device *sender = &self->devices[self->sending];
+    struct co_frame frame = self->on_wire;
+    enum sim_fate fate = SIM_DELIVER;
 
     self->sending = -1;
-    if (self->fault && self->fault(self->context, &self->on_wire, node))
+    if (self->fault)
+        fate = self->fault(self->context, &frame, sender->node);
+    if (fate == SIM_LOSE || !sender->active)
         return;
-    record(self, node);
-    deliver(self, &self->on_wire, sender);
+    record(self, &frame, sender->node);
+    if (fate == SIM_DELIVER)
+        deliver(self, &frame, (int)(sender - self->devices));
+    else
+        confirm(self, &frame, sender);
+}
+
+static bool wants_to_send(const struct sim *self, const struct sim_device *device)
+{
+    return device->active && device->box.frame_count > 0 && device->hold_until <= self->now;
+}
+
+static uint32_t next_id(const struct sim_device *device)
+{
+    return device->box.frames[device->box.frame_first].id;
 }
 
 /* The lowest CAN-ID of those that want to send wins. */
@@ -122,12 +151,9 @@ static void begin_frame(struct sim *self)
     int winner = -1;
 
     for (int i = 0; i < (int)self->device_count; i++) {
-        const struct co_outbox *box = &self->devices[i].box;
-
-        if (!self->devices[i].active || box->frame_count == 0)
+        if (!wants_to_send(self, &self->devices[i]))
             continue;
-        if (winner < 0 || box->frames[box->frame_first].id <
-                              self->devices[winner].box.frames[self->devices[winner].box.frame_first].id)
+        if (winner < 0 || next_id(&self->devices[i]) < next_id(&self->devices[winner]))
             winner = i;
     }
     if (winner < 0)
@@ -140,7 +166,7 @@ static void begin_frame(struct sim *self)
 
 static co_us_t device_deadline(const struct sim_device *device)
 {
-    if (!device->active)
+    if (!device->active || (!device->manager && !device->slave))
         return CO_NEVER;
     return device->manager ? manager_deadline(device->manager) : slave_deadline(device->slave);
 }
@@ -160,12 +186,25 @@ static void run_timers(struct sim *self)
     }
 }
 
+/* A device whose outbox waits for the wire can do what is due only then. */
+static co_us_t next_time_of(const struct sim *self, const struct sim_device *device)
+{
+    co_us_t deadline = device_deadline(device);
+    bool waits = device->active && device->box.frame_count > 0;
+
+    if (waits && device->hold_until > self->now)
+        return deadline > self->now ? co_earlier(deadline, device->hold_until) : device->hold_until;
+    if (waits && self->sending >= 0 && deadline <= self->now)
+        return self->wire_free;
+    return deadline;
+}
+
 static co_us_t next_time(const struct sim *self)
 {
     co_us_t next = self->sending >= 0 ? self->wire_free : CO_NEVER;
 
     for (unsigned i = 0; i < self->device_count; i++)
-        next = co_earlier(next, device_deadline(&self->devices[i]));
+        next = co_earlier(next, next_time_of(self, &self->devices[i]));
     return next > self->now ? next : self->now;
 }
 
@@ -181,6 +220,8 @@ void sim_run(struct sim *self, co_us_t until)
         run_timers(self);
         if (self->sending < 0)
             begin_frame(self);
+        if (self->on_step)
+            self->on_step(self->context);
         next = next_time(self);
         if (next > until)
             break;
@@ -191,16 +232,33 @@ void sim_run(struct sim *self, co_us_t until)
     self->now = until;
 }
 
-void sim_inject(struct sim *self, const char *text)
+static struct co_frame parse(const char *text)
 {
     struct co_frame frame;
     bool ok = co_frame_parse(text, &frame);
 
     assert(ok);
     (void)ok;
-    self->on_wire = frame;
-    record(self, 0);
+    return frame;
+}
+
+void sim_inject(struct sim *self, const char *text)
+{
+    struct co_frame frame = parse(text);
+
+    record(self, &frame, 0);
     deliver(self, &frame, -1);
+}
+
+void sim_say(struct sim *self, const char *text)
+{
+    struct co_frame frame = parse(text);
+
+    if (!self->foreign) {
+        self->foreign = add_device(self);
+        self->foreign->active = true;
+    }
+    co_outbox_put_frame(&self->foreign->box, &frame);
 }
 
 struct co_outbox *sim_box(struct sim *self, struct sim_device *device)

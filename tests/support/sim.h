@@ -16,11 +16,19 @@
 #define SIM_DEVICES 128u
 #define SIM_BOX     512u
 
+/* What becomes of a frame on the wire. */
+enum sim_fate {
+    SIM_DELIVER,
+    SIM_LOSE,   /* seen by nobody, its sender included */
+    SIM_UNHEARD /* its sender believes it sent, nobody hears it */
+};
+
 struct sim_device {
-    bool active; /* powered; others neither send nor receive */
-    struct slave *slave;
+    bool active;         /* powered; others neither send nor receive */
+    struct slave *slave; /* neither this nor a manager: speaks for sim_say() */
     struct manager *manager;
     uint8_t node;
+    co_us_t hold_until; /* sends nothing before */
     struct co_outbox box;
     struct co_frame frames[SIM_BOX];
     struct co_event events[SIM_BOX];
@@ -37,14 +45,17 @@ struct sim {
     unsigned bitrate; /* bit/s; 0: frames take no time */
     struct sim_device devices[SIM_DEVICES];
     unsigned device_count;
-    int sending; /* device whose frame is on the wire, -1: idle */
+    unsigned box_size;          /* of devices added from now on, at most SIM_BOX */
+    struct sim_device *foreign; /* who says what sim_say() says */
+    int sending;                /* device whose frame is on the wire, -1: idle */
     struct co_frame on_wire;
     co_us_t wire_free; /* end of the frame on the wire */
     co_us_t busy;      /* time the wire was busy */
     struct sim_line *trace;
     size_t trace_count, trace_room;
-    /* Returns true for a frame that is lost on the wire (seen by nobody, its sender included). */
-    bool (*fault)(void *context, const struct co_frame *frame, uint8_t sender);
+    /* Decides about each frame at its end. */
+    enum sim_fate (*fault)(void *context, const struct co_frame *frame, uint8_t sender);
+    void (*on_step)(void *context); /* after each step: the place to check what must always hold */
     void (*on_event)(void *context, const struct co_event *event); /* of the manager */
     void *context;
 };
@@ -56,8 +67,10 @@ struct sim_device *sim_add_slave(struct sim *self, struct slave *slave);
 struct sim_device *sim_add_manager(struct sim *self, struct manager *manager);
 void sim_power(struct sim *self, struct sim_device *device, bool on);
 void sim_run(struct sim *self, co_us_t until);
-/* Puts a frame on the wire as from a foreign device. */
+/* Delivers a frame as from a foreign device, at once. */
 void sim_inject(struct sim *self, const char *frame);
+/* The same, but it has to wait for the wire like any other: the way to speak from within fault(). */
+void sim_say(struct sim *self, const char *frame);
 /* The device's outbox to act on it between runs; what is put is sent in the next sim_run(). */
 struct co_outbox *sim_box(struct sim *self, struct sim_device *device);
 /* The trace as candump text "(seconds) sim ID#DATA", to be freed. */

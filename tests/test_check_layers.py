@@ -42,7 +42,7 @@ GOOD = {
     "src/port/clock.h": header("CLOCK", '#include "base/time.h"'),
     "src/port/clock.c": '#include "port/clock.h"\n\n#include <time.h>\n#if 1\n#endif\n',
     "src/runtime/network.h": header("NETWORK", '#include "port/clock.h"\n#include <pthread.h>'),
-    "src/api/handles.c": '#include "mcanopen.h"\n\n#include "runtime/network.h"\n'
+    "src/api/registry.c": '#include "mcanopen.h"\n\n#include "runtime/network.h"\n'
                          '#ifdef MCANOPEN_TRACE\n#endif\nstatic int handles;\n'
                          'int *handle_table(void)\n{\n    return &handles;\n}\n',
     "examples/01-first.c": "#include <mcanopen.h>\n#include <stdio.h>\n",
@@ -57,7 +57,7 @@ BROKEN = [
     ("arrow", "src/slave/slave.h", header("SLAVE", '#include "port/clock.h"')),
     ("arrow", "src/manager/xml.h", header("XML", '#include "runtime/network.h"')),
     ("arrow", "src/port/clock.h", header("CLOCK", '#include "od/od.h"')),
-    ("arrow", "src/runtime/network.h", header("NETWORK", '#include "api/handles.h"')),
+    ("arrow", "src/runtime/network.h", header("NETWORK", '#include "api/registry.h"')),
     ("arrow", "src/runtime/network.h", header("NETWORK", "#include <mcanopen.h>")),
     ("arrow", "src/api/log.h", header("LOG", '#include "proto/nmt.h"')),
     ("arrow", "src/api/log.h", header("LOG", '#include "port/clock.h"')),

@@ -213,6 +213,12 @@ static const struct talk talks[] = {
         { 1, SENT, "585#8006200013000706" },
         { 1, CALL, "value 2006:00 00000000" },
         { 9, IDLE, NULL } } },
+    { "K26: a string of fewer bytes than told", {
+        { 0, GOT,  "605#2105200004000000" },
+        { 0, SENT, "585#6005200000000000" },
+        { 1, GOT,  "605#0B41420000000000" },
+        { 1, SENT, "585#8005200013000706" },
+        { 9, IDLE, NULL } } },
     { "more bytes than told", {
         { 0, GOT,  "605#2105200002000000" },
         { 0, SENT, "585#6005200000000000" },

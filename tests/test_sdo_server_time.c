@@ -110,6 +110,11 @@ static const struct talk talks[] = {
         { 1000, SENT, "585#8017100020000008" },
         { 1001, CALL, "verdict 08000022" },
         { 2000, IDLE, NULL } } },
+    { "a verdict at the deadline is too late", {
+        { 0, GOT,  "605#2B171000E8030000" },
+        { 0, TOLD, "write 1017:00 E803" },
+        { 1000, CALL, "verdict 08000022" },
+        { 1000, SENT, "585#8017100020000008" } } },
     { "a verdict that nobody asked for", {
         { 0, CALL, "verdict 08000022" },
         { 1, GOT,  "605#2117100002000000" },
@@ -197,6 +202,32 @@ START_TEST(test_buffer_too_small)
     }
     ck_assert_str_eq(co_frame_format(&frame, text, sizeof text), "585#8000200005000405");
     ck_assert_uint_eq(segments, BENCH_CAPACITY / 7 + 1);
+    server_bench_done(&bench);
+}
+END_TEST
+
+/* A verdict whose answer waits for room is gone when the client asks for something else. */
+START_TEST(test_unsent_verdict)
+{
+    struct server_bench bench;
+    struct co_frame frames[2], write = talk_frame("605#2B171000E8030000");
+    struct co_frame frame = talk_frame("605#4008100000000000");
+    struct co_event events[1];
+    struct co_outbox out;
+
+    server_bench_init(&bench);
+    co_outbox_init(&out, frames, 2, events, 1);
+    sdo_server_on_frame(&bench.server, &write, 0, &out);
+    co_outbox_init(&out, frames, 0, events, 1);
+    sdo_server_verdict(&bench.server, SDO_GENERAL, 0, &out);
+    ck_assert_uint_eq(sdo_server_deadline(&bench.server), 0);
+    sdo_server_on_time(&bench.server, 0, &out);
+    co_outbox_init(&out, frames, 2, events, 1);
+    sdo_server_on_frame(&bench.server, &frame, 1, &out);
+    ck_assert_uint_eq(sdo_server_deadline(&bench.server), 1 + SDO_SERVER_TIMEOUT);
+    sdo_server_on_time(&bench.server, 1, &out);
+    ck_assert_uint_eq(out.frame_count, 1);
+    ck_assert_uint_eq(frames[0].data[0], 0x41);
     server_bench_done(&bench);
 }
 END_TEST
@@ -309,6 +340,7 @@ int main(void)
 
     tcase_add_loop_test(tcase, test_conversation, 0, TALK_COUNT * TALK_STALLS);
     tcase_add_test(tcase, test_buffer_too_small);
+    tcase_add_test(tcase, test_unsent_verdict);
     tcase_add_test(tcase, test_no_room_is_counted);
     tcase_add_loop_test(tcase, test_garbage, 0, 8);
     suite_add_tcase(suite, tcase);

@@ -11,9 +11,9 @@
  *         { 4, TOLD, "toggle 05030000 0" } } },    an event, as the test describes it
  *
  * Time is virtual, in ms from the start of the conversation. The machine's timer is called exactly
- * when it is due, and in addition one microsecond earlier, where nothing may happen. Every frame and
- * every event has to be in the table, with its time: what is not there must not come. A frame that
- * is received when the timer is due comes first.
+ * when it is due, and in addition one microsecond earlier, where nothing may happen. Every frame
+ * and every event has to be in the table, with its time: what is not there must not come. A frame
+ * that is received when the timer is due comes first.
  *
  * With a stalled outbox each call meets an outbox without room first, which opens right after: the
  * conversation must be the same.

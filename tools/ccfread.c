@@ -1,5 +1,6 @@
 /* ccfread: what is in a concise DCF, one line for each entry. */
 #include "base/bytes.h"
+#include "api/file.h"
 #include "common_file.h"
 #include "dcf/ccf.h"
 
@@ -89,7 +90,7 @@ static int show(const char *name, bool json)
 {
     struct co_report report = { .file = name, .sink = file_report_line };
     struct ccf ccf;
-    uint8_t *bytes;
+    char *bytes;
     size_t size;
     enum co_err err = file_read(name, &bytes, &size);
 
@@ -97,7 +98,7 @@ static int show(const char *name, bool json)
         file_tell("ccfread", name, err);
         return EXIT_TROUBLE;
     }
-    err = ccf_parse(bytes, size, &report, &ccf);
+    err = ccf_parse((const uint8_t *)bytes, size, &report, &ccf);
     free(bytes);
     if (err != CO_OK)
         return EXIT_TROUBLE;

@@ -8,49 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define SUFFIX        ".XXXXXX"
-#define FILE_SIZE_MAX ((size_t)256 << 20) /* no EDS, DCF or CCF is larger */
-
-static enum co_err append(FILE *stream, uint8_t **bytes, size_t *size, size_t *room)
-{
-    uint8_t *grown;
-
-    if (*size == *room) {
-        *room = *room ? 2 * *room : 65536;
-        grown = realloc(*bytes, *room);
-        if (!grown)
-            return CO_ERR_MEMORY;
-        *bytes = grown;
-    }
-    *size += fread(*bytes + *size, 1, *room - *size, stream);
-    if (*size > FILE_SIZE_MAX)
-        errno = EFBIG;
-    return ferror(stream) || *size > FILE_SIZE_MAX ? CO_ERR_IO : CO_OK;
-}
-
-enum co_err file_read(const char *name, uint8_t **ret_bytes, size_t *ret_size)
-{
-    FILE *stream = fopen(name, "rb");
-    enum co_err err = CO_OK;
-    uint8_t *bytes = NULL;
-    size_t size = 0, room = 0;
-    int error;
-
-    if (!stream)
-        return CO_ERR_IO;
-    while (err == CO_OK && !feof(stream))
-        err = append(stream, &bytes, &size, &room);
-    error = errno;
-    fclose(stream);
-    if (err != CO_OK) {
-        free(bytes);
-        errno = error;
-        return err;
-    }
-    *ret_bytes = bytes;
-    *ret_size = size;
-    return CO_OK;
-}
+#define SUFFIX ".XXXXXX"
 
 static bool write_all(int file, const uint8_t *bytes, size_t size)
 {

@@ -1,5 +1,5 @@
 /*
- * Whole files, for the small tools: read at once, written so that a failure leaves nothing behind.
+ * Files of the small tools: written so that a failure leaves nothing behind. api/file.h reads them.
  */
 #ifndef TOOLS_COMMON_FILE_H
 #define TOOLS_COMMON_FILE_H
@@ -9,9 +9,6 @@
 
 #include <stddef.h>
 #include <stdint.h>
-
-/* The contents, which are freed by free(); CO_ERR_IO with errno set, CO_ERR_MEMORY. */
-enum co_err file_read(const char *name, uint8_t **ret_bytes, size_t *ret_size);
 
 /* Replaces the file at once, when all has been written; CO_ERR_IO with errno set, CO_ERR_MEMORY. */
 enum co_err file_write(const char *name, const uint8_t *bytes, size_t size);

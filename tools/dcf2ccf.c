@@ -1,4 +1,5 @@
 /* dcf2ccf: a device configuration file (DCF) as the concise DCF that configures the device. */
+#include "api/file.h"
 #include "common_file.h"
 #include "dcf/dcf.h"
 
@@ -106,15 +107,17 @@ static enum co_err read_beside(void *context, const char *name, uint8_t **ret_by
                                size_t *ret_size)
 {
     const char *folder = context;
-    char *path = malloc(strlen(folder) + strlen(name) + 1);
+    char *path = malloc(strlen(folder) + strlen(name) + 1), *text = NULL;
     enum co_err err;
 
     if (!path)
         return CO_ERR_MEMORY;
     strcpy(path, folder);
     strcat(path, name);
-    err = file_read(path, ret_bytes, ret_size);
-    if (err == CO_ERR_IO)
+    err = file_read(path, &text, ret_size);
+    if (err == CO_OK)
+        *ret_bytes = (uint8_t *)text;
+    else
         file_tell("dcf2ccf", path, err);
     free(path);
     return err;
@@ -143,12 +146,12 @@ static enum co_err make_ccf(const struct arguments *arguments, const struct dcf 
     return err;
 }
 
-static enum co_err convert(const struct arguments *arguments, const uint8_t *text, size_t size,
+static enum co_err convert(const struct arguments *arguments, const char *text, size_t size,
                            struct ccf *ret_ccf)
 {
     struct co_report report = { .file = arguments->input, .sink = file_report_line };
     struct dcf dcf;
-    enum co_err err = dcf_parse((const char *)text, size, &report, &dcf);
+    enum co_err err = dcf_parse(text, size, &report, &dcf);
 
     if (err == CO_OK)
         err = make_ccf(arguments, &dcf, &report, ret_ccf);
@@ -195,7 +198,7 @@ static enum co_err write_output(const struct arguments *arguments, const struct 
 static enum co_err run(const struct arguments *arguments)
 {
     struct ccf ccf;
-    uint8_t *text;
+    char *text;
     size_t size;
     enum co_err err = file_read(arguments->input, &text, &size);
 

@@ -4,7 +4,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 static enum co_err open_error(void)
@@ -17,40 +16,48 @@ static enum co_err open_error(void)
     }
 }
 
-static enum co_err read_stream(FILE *stream, char **ret_text, size_t *ret_size)
+/* Until the end: what cannot tell its size, a pipe, is read as well. */
+static enum co_err read_stream(FILE *stream, char **text, size_t *size)
 {
-    struct stat info;
-    char *text;
-    size_t size;
+    size_t room = 0;
 
-    if (fstat(fileno(stream), &info) != 0)
-        return CO_ERR_IO;
-    if (!S_ISREG(info.st_mode) || info.st_size > (off_t)FILE_SIZE_MAX)
-        return CO_ERR_VALUE;
-    text = malloc((size_t)info.st_size + 1);
-    if (!text)
-        return CO_ERR_MEMORY;
-    size = fread(text, 1, (size_t)info.st_size, stream);
-    if (ferror(stream)) {
-        free(text);
-        return CO_ERR_IO;
+    *size = 0;
+    while (!feof(stream)) {
+        if (*size + 1 >= room) {
+            char *grown = realloc(*text, room = room ? 2 * room : 65536);
+
+            if (!grown)
+                return CO_ERR_MEMORY;
+            *text = grown;
+        }
+        *size += fread(*text + *size, 1, room - *size - 1, stream);
+        if (ferror(stream))
+            return CO_ERR_IO;
+        if (*size > FILE_SIZE_MAX)
+            return CO_ERR_VALUE;
     }
-    text[size] = '\0';
-    *ret_text = text;
-    *ret_size = size;
+    (*text)[*size] = '\0';
     return CO_OK;
 }
 
 enum co_err file_read(const char *path, char **ret_text, size_t *ret_size)
 {
     FILE *stream = fopen(path, "re");
+    char *text = NULL;
     enum co_err err;
+    size_t size;
 
     if (!stream)
         return open_error();
-    err = read_stream(stream, ret_text, ret_size);
+    err = read_stream(stream, &text, &size);
     fclose(stream);
-    return err;
+    if (err != CO_OK) {
+        free(text);
+        return err;
+    }
+    *ret_text = text;
+    *ret_size = size;
+    return CO_OK;
 }
 
 /* "folder/name", the folder up to folder_size; nothing in front where there is no folder. */

@@ -13,7 +13,7 @@
 
 /*
  * The whole contents, with a NUL behind them that does not count; to be freed.
- * CO_ERR_NOT_FOUND, CO_ERR_PERMISSION, CO_ERR_VALUE: too large or no regular file, CO_ERR_IO,
+ * CO_ERR_NOT_FOUND, CO_ERR_PERMISSION, CO_ERR_VALUE: too large, CO_ERR_IO,
  * CO_ERR_MEMORY.
  */
 enum co_err file_read(const char *path, char **ret_text, size_t *ret_size);

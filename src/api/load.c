@@ -22,7 +22,7 @@ static const char *read_error_text(enum co_err err)
     if (err == CO_ERR_NOT_FOUND)
         return "no such file";
     if (err == CO_ERR_VALUE)
-        return "not a regular file, or larger than 64 MiB";
+        return "larger than 64 MiB";
     return co_err_text(err);
 }
 

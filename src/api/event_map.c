@@ -87,8 +87,8 @@ static unsigned put_halted(EVENT_T *event, const struct network_config *config,
     return put_text(event, config, from);
 }
 
-unsigned event_map(const struct network_config *config, const struct co_event *event,
-                   EVENT_T ret_events[EVENT_MAP_MAX])
+static unsigned map_network_event(const struct network_config *config,
+                                  const struct co_event *event, EVENT_T ret_events[EVENT_MAP_MAX])
 {
     switch (event->type) {
     case MANAGER_STATE:
@@ -96,6 +96,22 @@ unsigned event_map(const struct network_config *config, const struct co_event *e
     case MANAGER_NETWORK_UP:
         return put_uc(ret_events, config, 0, MCANOPEN_MSG_NETWORK_UP, (unsigned)event->actual);
     case MANAGER_HALTED: return put_halted(ret_events, config, event);
+    case MANAGER_SECOND_MASTER: return put_text(ret_events, config, event);
+    case RUNTIME_FRAMES_LOST:
+        return put_ul(ret_events, config, 0, MCANOPEN_MSG_FRAMES_LOST,
+                      (unsigned long)event->actual);
+    case RUNTIME_BUS_STATE:
+        *ret_events = make(config, 0, PARA_I, MCANOPEN_MSG_BUS_STATE);
+        ret_events->para.i = event->detail;
+        return 1;
+    default: return 0; /* the steps of a boot are for the log */
+    }
+}
+
+unsigned event_map(const struct network_config *config, const struct co_event *event,
+                   EVENT_T ret_events[EVENT_MAP_MAX])
+{
+    switch (event->type) {
     case MANAGER_NODE_FAILED: return put_failure(ret_events, config, event);
     case MANAGER_NODE_BOOTED:
         return put_uc(ret_events, config, event->node, MCANOPEN_MSG_NODE_BOOTED, event->detail);
@@ -115,14 +131,6 @@ unsigned event_map(const struct network_config *config, const struct co_event *e
     case MANAGER_EMCY:
         return put_ul(ret_events, config, event->node, MCANOPEN_MSG_EMERGENCY,
                       event->code | (unsigned long)event->detail << 16);
-    case MANAGER_SECOND_MASTER: return put_text(ret_events, config, event);
-    case RUNTIME_FRAMES_LOST:
-        return put_ul(ret_events, config, 0, MCANOPEN_MSG_FRAMES_LOST,
-                      (unsigned long)event->actual);
-    case RUNTIME_BUS_STATE:
-        *ret_events = make(config, 0, PARA_I, MCANOPEN_MSG_BUS_STATE);
-        ret_events->para.i = event->detail;
-        return 1;
-    default: return 0; /* the steps of a boot are for the log */
+    default: return map_network_event(config, event, ret_events);
     }
 }

@@ -403,10 +403,17 @@ static void on_written(struct boot_node *self, bool ok, co_us_t now, struct co_o
         enter_error_control(self, now, out);
 }
 
+/* What a step does with its answers; the others send no requests. */
+static void (*const on_answer[])(struct boot_node *self, bool ok, co_us_t now,
+                                 struct co_outbox *out) = {
+    [BOOT_DEVICE_TYPE] = on_device_type, [BOOT_IDENTITY] = on_identity,
+    [BOOT_CHECK_CONFIGURATION] = on_check, [BOOT_CONFIGURE] = on_written,
+    [BOOT_SAVE] = on_written,
+};
+
 void boot_node_on_sdo(struct boot_node *self, co_us_t now, struct co_outbox *out)
 {
     const struct co_event *result = &self->request.result;
-    bool ok = result->detail == SDO_OUTCOME_OK;
 
     self->request.state = REQUEST_IDLE;
     if (!self->request.transfer.download && result->detail == SDO_OUTCOME_NO_ANSWER &&
@@ -414,20 +421,8 @@ void boot_node_on_sdo(struct boot_node *self, co_us_t now, struct co_outbox *out
         read_object(self, result->index, result->sub);
         return;
     }
-    switch ((enum boot_step)self->step) {
-    case BOOT_DEVICE_TYPE: on_device_type(self, ok, now, out); break;
-    case BOOT_IDENTITY: on_identity(self, ok, now, out); break;
-    case BOOT_CHECK_CONFIGURATION: on_check(self, ok, now, out); break;
-    case BOOT_CONFIGURE:
-    case BOOT_SAVE: on_written(self, ok, now, out); break;
-    case BOOT_IDLE:
-    case BOOT_RESET:
-    case BOOT_ERROR_CONTROL:
-    case BOOT_READY:
-    case BOOT_STARTED:
-    case BOOT_RETRY:
-    case BOOT_FAILED: break; /* no request of these steps */
-    }
+    if (self->step < sizeof on_answer / sizeof on_answer[0] && on_answer[self->step])
+        on_answer[self->step](self, result->detail == SDO_OUTCOME_OK, now, out);
 }
 
 /* --- orders of the owner --- */

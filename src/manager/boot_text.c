@@ -163,29 +163,31 @@ static void add_node(struct text *text, const struct network_config *config, uin
     add(text, ": ");
 }
 
+static const char *const step_texts[] = {
+    [BOOT_DEVICE_TYPE] = "boot begins, asks for its device type",
+    [BOOT_IDENTITY] = "checks its identity",
+    [BOOT_CHECK_CONFIGURATION] = "checks its configuration date",
+    [BOOT_SAVE] = "saves its configuration",
+};
+
+/* False for steps that other events tell. */
 static bool add_step(struct text *text, const struct node_config *node,
                      const struct co_event *event)
 {
-    switch ((enum boot_step)event->detail) {
-    case BOOT_RESET: add(text, "reset, boot delay %u ms", node->boot_delay); return true;
-    case BOOT_DEVICE_TYPE: add(text, "boot begins, asks for its device type"); return true;
-    case BOOT_IDENTITY: add(text, "checks its identity"); return true;
-    case BOOT_CHECK_CONFIGURATION: add(text, "checks its configuration date"); return true;
-    case BOOT_CONFIGURE:
+    uint8_t step = event->detail;
+
+    if (step == BOOT_RESET)
+        add(text, "reset, boot delay %u ms", node->boot_delay);
+    else if (step == BOOT_CONFIGURE)
         add(text, "configures it: %u entries of %s", (unsigned)event->actual,
             node->dcf_file ? node->dcf_file : node->ccf_file);
-        return true;
-    case BOOT_SAVE: add(text, "saves its configuration"); return true;
-    case BOOT_ERROR_CONTROL:
+    else if (step == BOOT_ERROR_CONTROL)
         add(text, "waits for its heartbeat, at most %u ms", node->consumer_heartbeat_time);
-        return true;
-    case BOOT_IDLE:
-    case BOOT_READY:
-    case BOOT_STARTED:
-    case BOOT_RETRY:
-    case BOOT_FAILED: return false; /* other events tell these */
-    }
-    return false;
+    else if (step < sizeof step_texts / sizeof step_texts[0] && step_texts[step])
+        add(text, "%s", step_texts[step]);
+    else
+        return false;
+    return true;
 }
 
 static void add_emergency(struct text *text, const struct co_event *event)
@@ -303,23 +305,26 @@ bool boot_text_event(const struct network_config *config, const struct co_event 
 
 /* --- state of a node --- */
 
+static const char *const wait_texts[] = {
+    [BOOT_IDLE] = "not booted yet",
+    [BOOT_RESET] = "in its boot delay after a reset",
+    [BOOT_DEVICE_TYPE] = "waits for the answer to 1000h",
+    [BOOT_IDENTITY] = "waits for the answer to 1018h",
+    [BOOT_CHECK_CONFIGURATION] = "waits for the answer to 1020h",
+    [BOOT_CONFIGURE] = "is being configured",
+    [BOOT_SAVE] = "saves its configuration",
+    [BOOT_ERROR_CONTROL] = "waits for its heartbeat",
+    [BOOT_READY] = "booted, not started",
+    [BOOT_STARTED] = "started",
+    [BOOT_RETRY] = "failed",
+    [BOOT_FAILED] = "failed",
+};
+
 static const char *waits_for(const struct boot_node *node)
 {
-    switch ((enum boot_step)node->step) {
-    case BOOT_IDLE: return node->config->nmt_slave ? "not booted yet" : "not booted by this master";
-    case BOOT_RESET: return "in its boot delay after a reset";
-    case BOOT_DEVICE_TYPE: return "waits for the answer to 1000h";
-    case BOOT_IDENTITY: return "waits for the answer to 1018h";
-    case BOOT_CHECK_CONFIGURATION: return "waits for the answer to 1020h";
-    case BOOT_CONFIGURE: return "is being configured";
-    case BOOT_SAVE: return "saves its configuration";
-    case BOOT_ERROR_CONTROL: return "waits for its heartbeat";
-    case BOOT_READY: return "booted, not started";
-    case BOOT_STARTED: return "started";
-    case BOOT_RETRY:
-    case BOOT_FAILED: return "failed";
-    }
-    return "";
+    if (node->step == BOOT_IDLE && !node->config->nmt_slave)
+        return "not booted by this master";
+    return node->step < sizeof wait_texts / sizeof wait_texts[0] ? wait_texts[node->step] : "";
 }
 
 void boot_text_node(const struct boot_node *node, char *text, size_t size)

@@ -239,22 +239,28 @@ static enum co_err command_all(struct manager *self, enum nmt_command command, c
     return err;
 }
 
+/* A reset that begins a new boot of the node. */
+static enum co_err reset_node(struct manager *self, struct boot_node *node,
+                              enum nmt_command command, co_us_t now)
+{
+    if (self->state == NETWORK_OFF || self->state == NETWORK_RESETTING)
+        return CO_ERR_STATE;
+    boot_network_reset_node(self, node, command, now);
+    return CO_OK;
+}
+
 static enum co_err command_node(struct manager *self, enum nmt_command command,
                                 struct boot_node *node, co_us_t now)
 {
     bool ready = node->step == BOOT_READY || node->step == BOOT_STARTED;
+    bool booted_here = boot_node_is_booted_by_master(node);
     enum co_err err;
 
     if (command == NMT_START && self->state != NETWORK_OPERATIONAL)
         return CO_ERR_STATE;
-    if (boot_node_is_booted_by_master(node) && is_reset(command) &&
-        node->config->auto_start_slave) {
-        if (self->state == NETWORK_OFF || self->state == NETWORK_RESETTING)
-            return CO_ERR_STATE;
-        boot_network_reset_node(self, node, command, now);
-        return CO_OK;
-    }
-    if (boot_node_is_booted_by_master(node) && !ready && !is_reset(command))
+    if (booted_here && is_reset(command) && node->config->auto_start_slave)
+        return reset_node(self, node, command, now);
+    if (booted_here && !ready && !is_reset(command))
         return CO_ERR_STATE;
     err = send_command(self, command, node->config->node_id);
     if (err == CO_OK)

@@ -189,6 +189,11 @@ static const struct talk talks[] = {
         { 4, SENT, "605#2310100173617665" },
         { 5, GOT,  "585#6010100100000000" },
         { 5, TOLD, "ok 00000000 4" } } },
+    { "expedited download that hides its size", {
+        { 0, CALL, "write- 1017:00 E803" },
+        { 0, SENT, "605#22171000E8030000" },
+        { 1, GOT,  "585#6017100000000000" },
+        { 1, TOLD, "ok 00000000 2" } } },
     { "download of 5 bytes, size told", {
         { 0, CALL, "write+ 2000:00 3132333435" },
         { 0, SENT, "605#2100200005000000" },

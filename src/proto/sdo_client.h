@@ -51,7 +51,7 @@ enum sdo_client_state {
 struct sdo_transfer {
     bool download;      /* to the server */
     bool indicate_size; /* segmented download: tell the size in advance */
-    bool hide_size; /* expedited download: leave the size out */
+    bool hide_size;     /* expedited download: leave the size out */
     uint16_t index;
     uint8_t sub;
     const uint8_t *source; /* download: what to write */

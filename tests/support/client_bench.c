@@ -28,6 +28,7 @@ void client_bench_start(struct client_bench *self, const char *text, co_us_t now
     memset(self->buffer, UNTOUCHED, sizeof self->buffer);
     *transfer = (struct sdo_transfer){ .download = verb[0] == 'w',
                                        .indicate_size = strcmp(verb, "write+") == 0,
+                                       .hide_size = strcmp(verb, "write-") == 0,
                                        .index = (uint16_t)index,
                                        .sub = (uint8_t)sub,
                                        .timeout = TIMEOUT };

@@ -2,7 +2,8 @@
  * An SDO client on node 5 with a guarded buffer, for conversations. Calls of the owner:
  *
  *     "read 1008:00 16"      upload with room for 16 bytes; "write 2000:00 414243" download,
- *     "write+ ..."           with the size told in advance; "write 2000:00 -" of nothing
+ *     "write+ ...", "write- ..."  with the size told in advance; without it even when expedited
+ *     "write 2000:00 -"      of nothing
  *     "cancel 08000022"      has to cancel; "cancel nothing" has to find nothing to cancel
  *     "late 2"               so many answers have been ignored
  *

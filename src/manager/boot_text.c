@@ -100,11 +100,16 @@ static void add_read_failure(struct text *text, const struct node_config *config
         add(text, "the node has gone in mid-boot");
 }
 
+static const char *file_of(const struct node_config *config)
+{
+    if (config->dcf_file)
+        return config->dcf_file;
+    return config->ccf_file ? config->ccf_file : "the configuration";
+}
+
 static void add_write_failure(struct text *text, const struct node_config *config,
                               const struct boot_failure *failure)
 {
-    const char *file = config->dcf_file ? config->dcf_file : config->ccf_file;
-
     add(text, "write ");
     add_object(text, failure->index, failure->sub);
     if (failure->entry && failure->size >= 1 && failure->size <= 4)
@@ -113,7 +118,7 @@ static void add_write_failure(struct text *text, const struct node_config *confi
         add(text, " (%u%s bytes)", failure->size, failure->size == UINT8_MAX ? " or more" : "");
     if (failure->entry)
         add(text, " (entry %u of %u of %s)", failure->entry, ccf_count(&config->ccf),
-            file ? file : "the configuration");
+            file_of(config));
     else
         add(text, " \"save\"");
     add(text, ": ");
@@ -179,8 +184,8 @@ static bool add_step(struct text *text, const struct node_config *node,
     if (step == BOOT_RESET)
         add(text, "reset, boot delay %u ms", node->boot_delay);
     else if (step == BOOT_CONFIGURE)
-        add(text, "configures it: %u entries of %s", (unsigned)event->actual,
-            node->dcf_file ? node->dcf_file : node->ccf_file);
+        add(text, "configures it: %u entr%s of %s", (unsigned)event->actual,
+            event->actual == 1 ? "y" : "ies", file_of(node));
     else if (step == BOOT_ERROR_CONTROL)
         add(text, "waits for its heartbeat, at most %u ms", node->consumer_heartbeat_time);
     else if (step < sizeof step_texts / sizeof step_texts[0] && step_texts[step])

@@ -27,7 +27,9 @@ enum co_err manager_init(struct manager *self, const struct network_config *conf
     err = manager_od_fill(config, &self->od);
     if (err == CO_OK)
         err = slave_init(&self->device, config->manager_node_id, &self->od);
-    if (err != CO_OK)
+    if (err == CO_OK)
+        slave_leave_heartbeats(&self->device); /* 1F80h says what a lost node means, not 1029h */
+    else
         od_done(&self->od);
     return err;
 }

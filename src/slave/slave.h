@@ -73,6 +73,8 @@ struct slave {
  */
 enum co_err slave_init(struct slave *self, uint8_t node, struct od *od);
 void slave_done(struct slave *self);
+/* 1016h is its owner's to watch: the device reports no heartbeats and does nothing about them. */
+void slave_leave_heartbeats(struct slave *self);
 
 /* Power on: reset node, boot-up, pre-operational. */
 void slave_start(struct slave *self, co_us_t now, struct co_outbox *out);

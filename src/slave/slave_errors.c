@@ -119,6 +119,11 @@ enum co_err slave_make_consumers(struct slave *self)
     return self->consumers != NULL ? CO_OK : CO_ERR_MEMORY;
 }
 
+void slave_leave_heartbeats(struct slave *self)
+{
+    self->consumer_count = 0;
+}
+
 static void update_consumer_deadline(struct slave *self)
 {
     co_us_t deadline = CO_NEVER;

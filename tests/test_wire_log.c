@@ -1,6 +1,7 @@
 #include "support/wire_log.h"
 
-#include <check.h>
+#include "support/suite.h"
+
 #include <string.h>
 
 static const struct pair {
@@ -63,17 +64,9 @@ END_TEST
 
 int main(void)
 {
-    Suite *suite = suite_create("wire_log");
     TCase *tcase = tcase_create("wire_log");
-    SRunner *runner;
-    int failed;
 
     tcase_add_loop_test(tcase, test_pair, 0, sizeof pairs / sizeof pairs[0]);
     tcase_add_test(tcase, test_missing_file);
-    suite_add_tcase(suite, tcase);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return suite_run("wire_log", tcase);
 }

@@ -1,11 +1,11 @@
 #include "support/plant.h"
+#include "support/suite.h"
 #include "support/wire_log.h"
 
-#include <check.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-/* All defaults; a node that is only there, one with an identity, a configuration and a heartbeat. */
+/* All defaults; a node that is only there, one with identity, configuration and heartbeat. */
 static const char defaults[] = "<Node_Instance><Node_Id>5</Node_Id></Node_Instance>"
                                "<Node_Instance><Node_Id>6</Node_Id>"
                                "<Device_Type_Identification>0x20192</Device_Type_Identification>"
@@ -69,16 +69,8 @@ END_TEST
 
 int main(void)
 {
-    Suite *suite = suite_create("boot_normal");
     TCase *tcase = tcase_create("boot_normal");
-    SRunner *runner;
-    int failed;
 
     tcase_add_loop_test(tcase, test_log, 0, sizeof normals / sizeof normals[0]);
-    suite_add_tcase(suite, tcase);
-    runner = srunner_create(suite);
-    srunner_run_all(runner, CK_ENV);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return suite_run("boot_normal", tcase);
 }

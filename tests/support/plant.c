@@ -54,6 +54,8 @@ static enum sim_fate on_frame(void *context, const struct co_frame *frame, uint8
 
     if (fate == SIM_DELIVER && tell_lie(self, frame))
         return SIM_UNHEARD;
+    if (fate == SIM_DELIVER && self->on_delivered)
+        self->on_delivered(self, frame, sender);
     return fate;
 }
 

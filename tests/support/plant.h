@@ -6,6 +6,9 @@
 
 #include "support/sim.h"
 
+/* A node of the XML: its ID and more elements. */
+#define PLANT_NODE(id, more) "<Node_Instance><Node_Id>" #id "</Node_Id>" more "</Node_Instance>"
+
 #define PLANT_TEXT_SIZE 65536u
 
 #define PLANT_LIES 8u
@@ -24,6 +27,7 @@ struct plant_device {
 };
 
 struct plant {
+    char name[64]; /* for messages of tests */
     struct sim sim;
     struct network_config *config;
     size_t config_count;
@@ -34,6 +38,8 @@ struct plant {
     size_t events_size;
     enum sim_fate (*fault)(struct plant *self, const struct co_frame *frame, uint8_t sender);
     void *fault_context;
+    /* After fault() has let it pass, before anybody hears it. */
+    void (*on_delivered)(struct plant *self, const struct co_frame *frame, uint8_t sender);
     struct plant_lie lies[PLANT_LIES];
     unsigned lie_count;
 };

@@ -69,7 +69,7 @@ void sim_power(struct sim *self, struct sim_device *device, bool on);
 void sim_run(struct sim *self, co_us_t until);
 /* Delivers a frame as from a foreign device, at once. */
 void sim_inject(struct sim *self, const char *frame);
-/* The same, but it has to wait for the wire like any other: the way to speak from within fault(). */
+/* The same, but it waits for the wire like any other; for use within fault(). */
 void sim_say(struct sim *self, const char *frame);
 /* The device's outbox to act on it between runs; what is put is sent in the next sim_run(). */
 struct co_outbox *sim_box(struct sim *self, struct sim_device *device);

@@ -9,7 +9,7 @@
  * What counts:
  *
  *   - the NMT commands, in order
- *   - for each node its frames (CAN-IDs with its node-ID, and NMT commands to it or to all), in order
+ *   - for each node its frames (CAN-IDs with its node-ID, and NMT commands to it or all), in order
  *   - for each node the states its heartbeats tell, in order; a state told again is no news
  */
 #ifndef TEST_SUPPORT_WIRE_LOG_H

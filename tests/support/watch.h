@@ -1,0 +1,22 @@
+/*
+ * What must hold at every moment in a plant, whatever happens to it:
+ *
+ *   - no slave gets NMT start before the manager is operational
+ *   - a slave that the master boots gets it only with its whole configuration, in this life of the
+ *     device (unless its boot-up message is still on the way: then the manager could not know)
+ *
+ * A violation fails the test and tells the last frames on the wire.
+ */
+#ifndef TEST_SUPPORT_WATCH_H
+#define TEST_SUPPORT_WATCH_H
+
+#include "support/plant.h"
+
+/* Looks at each frame that is delivered from now on. */
+void watch_start(struct plant *plant);
+/* All configured nodes that are there have booted, are configured and operational. */
+void watch_expect_up(const struct plant *plant, const char *what);
+/* True if all entries of the node's configuration are in the device. */
+bool watch_is_configured(const struct plant *plant, uint8_t node);
+
+#endif

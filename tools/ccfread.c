@@ -1,6 +1,6 @@
 /* ccfread: what is in a concise DCF, one line for each entry. */
-#include "base/bytes.h"
 #include "api/file.h"
+#include "base/bytes.h"
 #include "common_file.h"
 #include "dcf/ccf.h"
 

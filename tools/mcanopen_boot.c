@@ -44,11 +44,11 @@ struct boot {
     bool once, all, quiet;
     co_us_t timeout; /* 0: from the file */
     co_us_t start;
-    co_us_t limit;   /* for coming up; CO_NEVER afterwards */
+    co_us_t limit; /* for coming up; CO_NEVER afterwards */
     int nets[NETS_MAX];
     unsigned net_count;
-    int changed;  /* eventfd: something was told */
-    int signals;  /* signalfd */
+    int changed; /* eventfd: something was told */
+    int signals; /* signalfd */
 };
 
 struct row {

@@ -100,8 +100,9 @@ static int make_configured_od(struct sim *self, const struct node_config *node, 
     int result;
 
     if (!node->dcf_file) {
-        fprintf(stderr, "%s:%u: warning: node %u has no DCF_File: simulated with the mandatory "
-                        "objects only (--node %u FILE gives it one)\n",
+        fprintf(stderr,
+                "%s:%u: warning: node %u has no DCF_File: simulated with the mandatory "
+                "objects only (--node %u FILE gives it one)\n",
                 self->xml, node->line, node->node_id, node->node_id);
         return make_bare_od(node, od) == CO_OK ? EXIT_UP : EXIT_USAGE;
     }

@@ -58,8 +58,10 @@ static bool runtime_text(const struct co_event *event, enum co_severity *ret_sev
                  (unsigned)event->actual);
         return true;
     case RUNTIME_UNSENT:
-        snprintf(text, size, "%u frames given up: the bus did not take them (no other node, no "
-                             "cable, wrong bit rate?)", (unsigned)event->actual);
+        snprintf(text, size,
+                 "%u frames given up: the bus did not take them (no other node, no "
+                 "cable, wrong bit rate?)",
+                 (unsigned)event->actual);
         return true;
     case RUNTIME_BUS_STATE:
         snprintf(text, size, "bus is %s", event->detail <= BUS_DOWN ? states[event->detail] : "?");
@@ -100,4 +102,3 @@ void *control_run(void *context)
     }
     return NULL;
 }
-

@@ -6,8 +6,8 @@
 
 #include "base/error.h"
 #include "dcf/dcf.h"
-#include "mcanopen.h"
 #include "manager/sdo_channel.h"
+#include "mcanopen.h"
 
 /* CANOPEN_DCF_... for what was wrong in a DCF. */
 int error_of_dcf(enum dcf_error kind);

@@ -87,8 +87,8 @@ static unsigned put_halted(EVENT_T *event, const struct network_config *config,
     return put_text(event, config, from);
 }
 
-static unsigned map_network_event(const struct network_config *config,
-                                  const struct co_event *event, EVENT_T ret_events[EVENT_MAP_MAX])
+static unsigned map_network_event(const struct network_config *config, const struct co_event *event,
+                                  EVENT_T ret_events[EVENT_MAP_MAX])
 {
     switch (event->type) {
     case MANAGER_STATE:
@@ -116,8 +116,7 @@ unsigned event_map(const struct network_config *config, const struct co_event *e
     case MANAGER_NODE_BOOTED:
         return put_uc(ret_events, config, event->node, MCANOPEN_MSG_NODE_BOOTED, event->detail);
     case MANAGER_NODE_STARTED:
-        return put_uc(ret_events, config, event->node, MCANOPEN_MSG_NODE_STARTED,
-                      NMT_OPERATIONAL);
+        return put_uc(ret_events, config, event->node, MCANOPEN_MSG_NODE_STARTED, NMT_OPERATIONAL);
     case MANAGER_NODE_STATE:
         return put_uc(ret_events, config, event->node, MCANOPEN_MSG_NODE_STATE, event->detail);
     case MANAGER_NODE_BOOT_UP:

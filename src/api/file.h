@@ -19,8 +19,8 @@
 enum co_err file_read(const char *path, char **ret_text, size_t *ret_size);
 
 /*
- * Where a file named in a network's configuration is: as given, under its repository, beside the XML
- * file (and the repository beside it). *ret_path is to be freed; the name as given when it is
+ * Where a file named in a network's configuration is: as given, under its repository, beside the
+ * XML file (and the repository beside it). *ret_path is to be freed; the name as given when it is
  * nowhere. CO_ERR_MEMORY.
  */
 enum co_err file_find(const struct network_config *config, const char *xml_path, const char *name,

@@ -194,10 +194,9 @@ static int load_nodes(const char *path, struct network_config *config, struct co
     int result = MCANOPEN_OK;
 
     for (size_t i = 0; i < config->node_count; i++) {
-        struct loader loader = { .xml_path = path,
-                                 .config = config,
-                                 .node = &config->nodes[i],
-                                 .xml_report = report };
+        struct loader loader = {
+            .xml_path = path, .config = config, .node = &config->nodes[i], .xml_report = report
+        };
         int one = load_node(&loader);
 
         if (result == MCANOPEN_OK)

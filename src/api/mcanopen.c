@@ -50,10 +50,9 @@ static void close_all(struct registry *self)
 static int open_bus(struct managed *self, struct co_report *report)
 {
     char bus[64], message[CO_REPORT_TEXT_SIZE] = "";
-    struct network_options options = { .bus = bus,
-                                       .bitrate = self->config->baudrate,
-                                       .sink = control_on_event,
-                                       .context = self };
+    struct network_options options = {
+        .bus = bus, .bitrate = self->config->baudrate, .sink = control_on_event, .context = self
+    };
     enum co_err err;
 
     load_bus_name(self->config, bus, sizeof bus);

@@ -87,8 +87,8 @@ static int read_into(const struct call *call, uint8_t *own, void *buffer, int *l
     return result;
 }
 
-int mcanOpenReadSDO(unsigned short net, unsigned short modID, int index, int subindex,
-                    void *buffer, int *len, ERROR_T *error)
+int mcanOpenReadSDO(unsigned short net, unsigned short modID, int index, int subindex, void *buffer,
+                    int *len, ERROR_T *error)
 {
     const struct call call = { net, modID, index, subindex, error };
     int result = check(&call);

@@ -13,7 +13,7 @@
 #include "runtime/event_queue.h"
 #include "runtime/network.h"
 
-struct managed { /* one network with its manager */
+struct managed {                         /* one network with its manager */
     const struct network_config *config; /* a part of the registry's */
     struct network *network;
     struct manager *manager;

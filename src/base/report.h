@@ -15,9 +15,12 @@ enum co_severity { CO_ERROR, CO_WARNING, CO_INFO };
 #define CO_REPORT_TEXT_SIZE 512u
 
 struct co_report {
-    const char *file;                                                   /* as shown; NULL: no place */
-    void (*sink)(void *context, enum co_severity severity, const char *text); /* NULL: only count */
+    const char *file; /* as shown; NULL: no place */
+
+    /* NULL: only count */
+    void (*sink)(void *context, enum co_severity severity, const char *text);
     void *context;
+
     unsigned errors;
     unsigned warnings;
     int error_kind; /* what the caller gave with co_report_kind for the first error; 0: none */

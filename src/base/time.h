@@ -11,8 +11,8 @@
 
 typedef uint64_t co_us_t;
 
-#define CO_NEVER  UINT64_MAX                    /* as a deadline: nothing pending */
-#define CO_MS(ms) ((co_us_t)(ms) * 1000u)
+#define CO_NEVER  UINT64_MAX /* as a deadline: nothing pending */
+#define CO_MS(ms) (1000u * (co_us_t)(ms))
 
 static inline co_us_t co_earlier(co_us_t a, co_us_t b)
 {

@@ -20,20 +20,21 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum dcf_error { /* kinds for co_report_kind(); api/ maps them to CANOPEN_DCF_... */
-                 DCF_ERROR_NONE,
-                 DCF_ERROR_MEMORY,
-                 DCF_ERROR_MISSING_SECTION,
-                 DCF_ERROR_MISSING_ENTRY,
-                 DCF_ERROR_WRONG_PARAMETER,
-                 DCF_ERROR_OUT_OF_RANGE,
-                 DCF_ERROR_OUT_OF_LIMITS,
-                 DCF_ERROR_DOUBLE_SECTION,
-                 DCF_ERROR_DOUBLE_KEYWORD,
-                 DCF_ERROR_UNKNOWN_KEYWORD,
-                 DCF_ERROR_WRONG_NODE_ID,
-                 DCF_ERROR_WRONG_BAUDRATE,
-                 DCF_ERROR_WRONG_MODULE_NO
+/* Kinds for co_report_kind(); api/ maps them to CANOPEN_DCF_... */
+enum dcf_error {
+    DCF_ERROR_NONE,
+    DCF_ERROR_MEMORY,
+    DCF_ERROR_MISSING_SECTION,
+    DCF_ERROR_MISSING_ENTRY,
+    DCF_ERROR_WRONG_PARAMETER,
+    DCF_ERROR_OUT_OF_RANGE,
+    DCF_ERROR_OUT_OF_LIMITS,
+    DCF_ERROR_DOUBLE_SECTION,
+    DCF_ERROR_DOUBLE_KEYWORD,
+    DCF_ERROR_UNKNOWN_KEYWORD,
+    DCF_ERROR_WRONG_NODE_ID,
+    DCF_ERROR_WRONG_BAUDRATE,
+    DCF_ERROR_WRONG_MODULE_NO
 };
 
 struct dcf_value { /* as in the file */
@@ -121,8 +122,8 @@ struct dcf_ccf_options {
  * order that devices need: the other objects by index; SYNC (1019h, 1006h, 1005h); error control
  * (100Ch, 100Dh, 1016h, 1017h); each PDO switched off, its parameters, its mapping, switched on;
  * 1020h last. Left out are read-only entries, those that ObjFlags protects, and 1000h, 1001h,
- * 1010h, 1011h, 1018h, 1200h, 1F50h, 1F51h. The result has its count even where it is 0. CO_ERR_MEMORY,
- * CO_ERR_VALUE (told in the report).
+ * 1010h, 1011h, 1018h, 1200h, 1F50h, 1F51h. The result has its count even where it is 0.
+ * CO_ERR_MEMORY, CO_ERR_VALUE (told in the report).
  */
 enum co_err dcf_make_ccf(const struct dcf *self, const struct dcf_ccf_options *options,
                          struct co_report *report, struct ccf *ret_ccf);

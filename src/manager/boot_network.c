@@ -59,8 +59,8 @@ void boot_network_reboot(struct manager *self, struct boot_node *node, co_us_t n
     submit(self, node, now);
 }
 
-void boot_network_reset_node(struct manager *self, struct boot_node *node,
-                             enum nmt_command command, co_us_t now)
+void boot_network_reset_node(struct manager *self, struct boot_node *node, enum nmt_command command,
+                             co_us_t now)
 {
     take_request_back(self, node, now);
     boot_node_reset(node, command, now, &self->inner);

@@ -8,9 +8,9 @@
 #include "manager/manager.h"
 
 /* Runs 'each' over the configured nodes. */
-#define FOR_EACH_NODE(manager, node)                                                          \
-    for (size_t i_ = 0; i_ < (manager)->config->node_count; i_++)                             \
-        for (struct boot_node *node = &(manager)->nodes[(manager)->config->nodes[i_].node_id]; \
+#define FOR_EACH_NODE(manager, node)                                                               \
+    for (size_t i_ = 0; i_ < (manager)->config->node_count; i_++)                                  \
+        for (struct boot_node *node = &(manager)->nodes[(manager)->config->nodes[i_].node_id];     \
              node; node = NULL)
 
 /* All frames and events below go to manager->inner. */
@@ -26,8 +26,8 @@ co_us_t boot_network_deadline(const struct manager *self);
 
 /* Takes the boot request of a node back and begins its boot anew, with or without a reset. */
 void boot_network_reboot(struct manager *self, struct boot_node *node, co_us_t now);
-void boot_network_reset_node(struct manager *self, struct boot_node *node,
-                             enum nmt_command command, co_us_t now);
+void boot_network_reset_node(struct manager *self, struct boot_node *node, enum nmt_command command,
+                             co_us_t now);
 
 /* error_control.c: a boot-up message, a heartbeat, a lost node (CiA 302-2, "error control"). */
 void error_control_on_frame(struct manager *self, const struct co_frame *frame, co_us_t now);

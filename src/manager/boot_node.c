@@ -33,9 +33,10 @@ static void enter(struct boot_node *self, enum boot_step step, struct co_outbox 
     self->tries = 0;
     if (step == BOOT_DEVICE_TYPE && self->told.letter == 'B')
         return; /* an absent node is asked each second: not news */
-    put_event(self, (struct co_event){ .type = MANAGER_NODE_STEP,
-                                       .detail = (uint8_t)step,
-                                       .actual = step == BOOT_CONFIGURE ? self->reader.left : 0 },
+    put_event(self,
+              (struct co_event){ .type = MANAGER_NODE_STEP,
+                                 .detail = (uint8_t)step,
+                                 .actual = step == BOOT_CONFIGURE ? self->reader.left : 0 },
               out);
 }
 
@@ -114,8 +115,7 @@ static void fail(struct boot_node *self, const struct boot_failure *failure, co_
     self->step = retry ? BOOT_RETRY : BOOT_FAILED;
     self->deadline = retry ? now + BOOT_RETRY_INTERVAL : CO_NEVER;
     self->reset_due = retry && (failure->step == BOOT_CONFIGURE || failure->step == BOOT_SAVE);
-    self->reset_command =
-        self->config->reset_node ? NMT_RESET_NODE : NMT_RESET_COMMUNICATION;
+    self->reset_command = self->config->reset_node ? NMT_RESET_NODE : NMT_RESET_COMMUNICATION;
 }
 
 static void fail_request(struct boot_node *self, char letter, co_us_t now, struct co_outbox *out)
@@ -133,8 +133,8 @@ static void fail_request(struct boot_node *self, char letter, co_us_t now, struc
     if (self->step == BOOT_CONFIGURE) {
         failure.entry = self->entry_number;
         failure.size = self->entry.size < UINT8_MAX ? (uint8_t)self->entry.size : UINT8_MAX;
-        failure.expected =
-            (uint32_t)get_le(self->entry.value, self->entry.size < 4 ? self->entry.size : 4);
+        failure.expected = (uint32_t)get_le(self->entry.value,
+                                            self->entry.size < 4 ? self->entry.size : 4);
     }
     fail(self, &failure, now, out);
 }
@@ -196,8 +196,7 @@ static void write_object(struct boot_node *self, const struct ccf_entry *entry)
 /* A heartbeat of this attempt that is not too old counts: the producer runs. */
 static void take_up_heartbeat(struct boot_node *self, co_us_t now, struct co_outbox *out)
 {
-    struct co_frame last =
-        nmt_error_control_frame(self->config->node_id, self->last_state);
+    struct co_frame last = nmt_error_control_frame(self->config->node_id, self->last_state);
 
     if (self->last_heartbeat && now - self->last_heartbeat < self->heartbeat.period)
         hb_consumer_on_frame(&self->heartbeat, &last, self->last_heartbeat, out);
@@ -219,10 +218,9 @@ static void enter_error_control(struct boot_node *self, co_us_t now, struct co_o
 
 static void enter_save(struct boot_node *self, co_us_t now, struct co_outbox *out)
 {
-    const struct ccf_entry save = { .index = 0x1010,
-                                    .sub = 1,
-                                    .size = sizeof save_signature,
-                                    .value = save_signature };
+    const struct ccf_entry save = {
+        .index = 0x1010, .sub = 1, .size = sizeof save_signature, .value = save_signature
+    };
 
     if (!self->config->save_configuration) {
         enter_error_control(self, now, out);
@@ -254,11 +252,13 @@ static void enter_configure(struct boot_node *self, co_us_t now, struct co_outbo
     write_next_entry(self, now, out);
 }
 
-/* What 1020h should say: from the network's file, else what the configuration itself writes there. */
+/*
+ * What 1020h should say: from the network's file, else what the configuration itself writes there.
+ */
 static uint32_t expected_1020(const struct boot_node *self, uint8_t sub)
 {
-    uint32_t expected =
-        sub == 1 ? self->config->configuration_date : self->config->configuration_time;
+    uint32_t expected = sub == 1 ? self->config->configuration_date
+                                 : self->config->configuration_time;
     struct ccf_reader reader;
     struct ccf_entry entry;
 
@@ -334,7 +334,9 @@ static void tell_read(const struct boot_node *self, struct co_outbox *out)
               out);
 }
 
-/* True if the value read is the one expected (0: any); else the attempt has failed with the letter. */
+/*
+ * True if the value read is the one expected (0: any); else the attempt has failed with the letter.
+ */
 static bool compare(struct boot_node *self, char letter, uint32_t expected, co_us_t now,
                     struct co_outbox *out)
 {
@@ -406,8 +408,10 @@ static void on_written(struct boot_node *self, bool ok, co_us_t now, struct co_o
 /* What a step does with its answers; the others send no requests. */
 static void (*const on_answer[])(struct boot_node *self, bool ok, co_us_t now,
                                  struct co_outbox *out) = {
-    [BOOT_DEVICE_TYPE] = on_device_type, [BOOT_IDENTITY] = on_identity,
-    [BOOT_CHECK_CONFIGURATION] = on_check, [BOOT_CONFIGURE] = on_written,
+    [BOOT_DEVICE_TYPE] = on_device_type,
+    [BOOT_IDENTITY] = on_identity,
+    [BOOT_CHECK_CONFIGURATION] = on_check,
+    [BOOT_CONFIGURE] = on_written,
     [BOOT_SAVE] = on_written,
 };
 
@@ -494,8 +498,8 @@ void boot_node_commanded(struct boot_node *self, enum nmt_command command)
 
 /* --- error control --- */
 
-void boot_node_on_error_control(struct boot_node *self, const struct co_frame *frame,
-                                co_us_t now, struct co_outbox *out)
+void boot_node_on_error_control(struct boot_node *self, const struct co_frame *frame, co_us_t now,
+                                struct co_outbox *out)
 {
     uint8_t node, state;
 

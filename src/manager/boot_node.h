@@ -12,8 +12,9 @@
  *     +------- RETRY (1 s)                                   v
  *                                     FAILED <------- ERROR_CONTROL -> READY -> STARTED
  *
- * The node's SDO request is submitted by the owner: request_due says that it wants to be. The owner hands
- * the result back with boot_node_on_sdo(). Steps for which nothing is configured are passed at once.
+ * The node's SDO request is submitted by the owner: request_due says that it wants to be. The owner
+ * hands the result back with boot_node_on_sdo(). Steps for which nothing is configured are passed
+ * at once.
  *
  *   owner    boot_network
  */
@@ -31,7 +32,8 @@
 #define BOOT_RETRY_INTERVAL CO_MS(1000)  /* CiA 302-2: until the next attempt */
 #define BOOT_FLASH_TIMEOUT  CO_MS(10000) /* for objects that make a device write its flash */
 
-enum boot_step { /* values are those of MCANOPEN_STEP_... */
+/* Values are those of MCANOPEN_STEP_... */
+enum boot_step {
     BOOT_IDLE = 0,
     BOOT_RESET = 1,
     BOOT_DEVICE_TYPE = 2,
@@ -61,7 +63,7 @@ struct boot_failure {
 
 struct boot_node {
     const struct node_config *config; /* NULL: not in the configuration */
-    uint8_t step;      /* enum boot_step */
+    uint8_t step;                     /* enum boot_step */
     uint8_t nmt_state; /* reported, or assumed where there is no heartbeat; INITIALISING: offline */
     bool tried;        /* one attempt has ended, well or not */
     bool booted;       /* the last attempt ended well */
@@ -76,9 +78,9 @@ struct boot_node {
     struct boot_failure told; /* last failure reported, not to report it again each second */
     struct sdo_request request;
     bool request_due;
-    unsigned tries;     /* of the running read */
-    uint8_t part;       /* IDENTITY, CHECK_CONFIGURATION: sub-index being read */
-    uint8_t value[8];   /* what a read brings, what "save" writes */
+    unsigned tries;   /* of the running read */
+    uint8_t part;     /* IDENTITY, CHECK_CONFIGURATION: sub-index being read */
+    uint8_t value[8]; /* what a read brings, what "save" writes */
     struct ccf_reader reader;
     struct ccf_entry entry; /* being written */
     uint32_t entry_number;
@@ -92,7 +94,9 @@ void boot_node_init(struct boot_node *self, uint8_t node, const struct node_conf
 /* What a MANAGER_NODE_FAILED event tells. */
 struct boot_failure boot_failure_of(const struct co_event *event);
 
-/* True for a node that the master boots: in the list (1F81h bit 0) and not left to the application. */
+/*
+ * True for a node that the master boots: in the list (1F81h bit 0) and not left to the application.
+ */
 bool boot_node_is_booted_by_master(const struct boot_node *self);
 
 /* A new attempt from the first read on. The owner has taken its request back before. */
@@ -108,8 +112,8 @@ void boot_node_commanded(struct boot_node *self, enum nmt_command command);
 void boot_node_stop(struct boot_node *self);
 
 void boot_node_on_sdo(struct boot_node *self, co_us_t now, struct co_outbox *out);
-void boot_node_on_error_control(struct boot_node *self, const struct co_frame *frame,
-                                co_us_t now, struct co_outbox *out);
+void boot_node_on_error_control(struct boot_node *self, const struct co_frame *frame, co_us_t now,
+                                struct co_outbox *out);
 /* Step ERROR_CONTROL goes on when the node's heartbeat has come. */
 void boot_node_on_heartbeat(struct boot_node *self, struct co_outbox *out);
 void boot_node_on_time(struct boot_node *self, co_us_t now, struct co_outbox *out);

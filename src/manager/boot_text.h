@@ -1,5 +1,6 @@
 /*
- * What the manager reports, as lines for people: who, what, expected, actual, and what to do about it.
+ * What the manager reports, as lines for people: who, what, expected, actual, and what to do about
+ * it.
  *
  *   in   events of the manager, the configuration
  *   out  text; nothing is decided here
@@ -18,7 +19,9 @@
 bool boot_text_event(const struct network_config *config, const struct co_event *event,
                      enum co_severity *ret_severity, char *text, size_t size);
 
-/* What went wrong in the last attempt, or what the node's step waits for; without the node's name. */
+/*
+ * What went wrong in the last attempt, or what the node's step waits for; without the node's name.
+ */
 void boot_text_node(const struct boot_node *node, char *text, size_t size);
 
 #endif

@@ -65,10 +65,8 @@ void error_control_on_lost(struct manager *self, uint8_t node_id, co_us_t now)
         slave_command(&self->device, NMT_RESET_NODE, now, &self->inner);
         boot_network_begin(self, NMT_RESET_NODE, now);
     } else if (node->config->auto_start_slave) {
-        boot_network_reset_node(self, node,
-                                node->config->reset_node ? NMT_RESET_NODE
-                                                         : NMT_RESET_COMMUNICATION,
-                                now);
+        boot_network_reset_node(
+            self, node, node->config->reset_node ? NMT_RESET_NODE : NMT_RESET_COMMUNICATION, now);
     }
 }
 

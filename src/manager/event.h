@@ -5,23 +5,23 @@
 #define CO_MANAGER_EVENT_H
 
 enum manager_event {
-    MANAGER_STATE = 200,      /* detail: the manager's own NMT state */
-    MANAGER_NETWORK_UP,       /* every required node is up: actual: booted nodes, expected: all */
-    MANAGER_HALTED,           /* mandatory nodes are missing: actual: how many; expected: Boot_Time if
-                                 it is over, 0: they have failed for good */
-    MANAGER_NODE_STEP,        /* node, detail: enum boot_step entered; CONFIGURE: actual entries */
-    MANAGER_NODE_READ,        /* node, index, sub, actual: what the node answered */
-    MANAGER_NODE_UP_TO_DATE,  /* node: 1020h says that it is configured already */
-    MANAGER_NODE_FAILED,      /* node, detail: status letter, see struct boot_failure */
-    MANAGER_NODE_BOOTED,      /* node, detail: status letter 'L' or 0 */
-    MANAGER_NODE_STARTED,     /* node */
-    MANAGER_NODE_STATE,       /* node, detail: NMT state it reports */
-    MANAGER_NODE_BOOT_UP,     /* node; actual: 1 if the configuration knows it */
-    MANAGER_NODE_LOST,        /* node, expected: ms of silence; detail: its last state */
-    MANAGER_NODE_BACK,        /* node, detail: its state */
-    MANAGER_EMCY,             /* node, code, detail: error register, data: 8 bytes */
-    MANAGER_SECOND_MASTER,    /* an NMT command of another master: detail: command, node */
-    MANAGER_REQUEST_DONE      /* node: a request of the application has ended */
+    MANAGER_STATE = 200,     /* detail: the manager's own NMT state */
+    MANAGER_NETWORK_UP,      /* every required node is up: actual: booted nodes, expected: all */
+    MANAGER_HALTED,          /* actual: so many mandatory nodes are missing; expected: Boot_Time,
+                                 which is over, or 0: they have failed for good */
+    MANAGER_NODE_STEP,       /* node, detail: enum boot_step entered; CONFIGURE: actual entries */
+    MANAGER_NODE_READ,       /* node, index, sub, actual: what the node answered */
+    MANAGER_NODE_UP_TO_DATE, /* node: 1020h says that it is configured already */
+    MANAGER_NODE_FAILED,     /* node, detail: status letter, see struct boot_failure */
+    MANAGER_NODE_BOOTED,     /* node, detail: status letter 'L' or 0 */
+    MANAGER_NODE_STARTED,    /* node */
+    MANAGER_NODE_STATE,      /* node, detail: NMT state it reports */
+    MANAGER_NODE_BOOT_UP,    /* node; actual: 1 if the configuration knows it */
+    MANAGER_NODE_LOST,       /* node, expected: ms of silence; detail: its last state */
+    MANAGER_NODE_BACK,       /* node, detail: its state */
+    MANAGER_EMCY,            /* node, code, detail: error register, data: 8 bytes */
+    MANAGER_SECOND_MASTER,   /* an NMT command of another master: detail: command, node */
+    MANAGER_REQUEST_DONE     /* node: a request of the application has ended */
 };
 
 #endif

@@ -8,9 +8,11 @@
  *   OFF ----------------> RESETTING ---------------> BOOTING --- all mandatory nodes booted,
  *                             ^                       |   ^      all optional ones tried
  *                             |       Boot_Time over  v   |               |
- *               RESET_ALL     |                     HALTED              WAITING (Auto_Operational FALSE)
+ *               RESET_ALL     |                     HALTED              WAITING (*)
  *                             |                                           |
- *                             +-------------------------------------- OPERATIONAL --> STOPPED (STOP_ALL)
+ *                             +-------------------------------------- OPERATIONAL --> STOPPED (**)
+ *
+ *   (*) where NMT_Auto_Operational is FALSE   (**) by STOP_ALL
  *
  * It is a CANopen device as well: 'device' is that, with its own dictionary, boot-up and heartbeat.
  * Each node of the configuration boots in a machine of its own (boot_node), all in parallel; here
@@ -46,14 +48,14 @@ struct manager {
     struct slave device;
     struct boot_node nodes[NETWORK_NODE_MAX + 1];      /* by node-ID */
     struct sdo_channel channels[NETWORK_NODE_MAX + 1]; /* by node-ID */
-    uint8_t state; /* enum boot_network_state */
-    bool up_told;  /* MANAGER_NETWORK_UP was given since the last start */
+    uint8_t state;                                     /* enum boot_network_state */
+    bool up_told;       /* MANAGER_NETWORK_UP was given since the last start */
     bool reset_due;     /* RESETTING: the command is still to be sent */
     bool start_all_due; /* NMT start all is still to be sent */
     bool stop_all_due;  /* NMT stop all is still to be sent */
     uint8_t reset_command;
-    co_us_t deadline;   /* RESETTING: end of the boot delay */
-    co_us_t boot_limit; /* BOOTING: end of Boot_Time, CO_NEVER: none */
+    co_us_t deadline;       /* RESETTING: end of the boot delay */
+    co_us_t boot_limit;     /* BOOTING: end of Boot_Time, CO_NEVER: none */
     struct co_outbox inner; /* of the machines inside */
     struct co_frame inner_frames[MANAGER_INNER_FRAMES];
     struct co_event inner_events[MANAGER_INNER_EVENTS];
@@ -69,8 +71,8 @@ void manager_start(struct manager *self, co_us_t now, struct co_outbox *out);
 
 /*
  * An NMT command on behalf of the application, for a node, for the manager itself (its node-ID), or
- * for all (0). CO_ERR_NOT_FOUND: node not in the configuration; CO_ERR_STATE: not now, the node or the
- * network is still booting or has failed to; CO_ERR_AGAIN: no room to send it.
+ * for all (0). CO_ERR_NOT_FOUND: node not in the configuration; CO_ERR_STATE: not now, the node or
+ * the network is still booting or has failed to; CO_ERR_AGAIN: no room to send it.
  */
 enum co_err manager_command(struct manager *self, enum nmt_command command, uint8_t node,
                             co_us_t now, struct co_outbox *out);

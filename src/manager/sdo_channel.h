@@ -4,8 +4,8 @@
  *   in   requests, PROTO_SDO_DONE of its client
  *   out  the ended request, with its result
  *
- * A request belongs to who made it and must stay until it is DONE or cancelled. Its time-out starts when
- * its turn comes.
+ * A request belongs to who made it and must stay until it is DONE or cancelled. Its time-out starts
+ * when its turn comes.
  */
 #ifndef CO_MANAGER_SDO_CHANNEL_H
 #define CO_MANAGER_SDO_CHANNEL_H
@@ -32,8 +32,8 @@ void sdo_channel_init(struct sdo_channel *self, uint8_t node);
 void sdo_channel_submit(struct sdo_channel *self, struct sdo_request *request, co_us_t now,
                         struct co_outbox *out);
 /*
- * Takes a request out, running or waiting; it becomes IDLE and gives no event. code 0: the server is
- * not told. False when the outbox has no room to tell it: try again.
+ * Takes a request out, running or waiting; it becomes IDLE and gives no event. code 0: the server
+ * is not told. False when the outbox has no room to tell it: try again.
  */
 bool sdo_channel_cancel(struct sdo_channel *self, struct sdo_request *request, sdo_abort_t code,
                         co_us_t now, struct co_outbox *out);

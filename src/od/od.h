@@ -20,32 +20,33 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum od_type { /* CiA 301 data type indices */
-               OD_BOOLEAN = 0x01,
-               OD_INTEGER8 = 0x02,
-               OD_INTEGER16 = 0x03,
-               OD_INTEGER32 = 0x04,
-               OD_UNSIGNED8 = 0x05,
-               OD_UNSIGNED16 = 0x06,
-               OD_UNSIGNED32 = 0x07,
-               OD_REAL32 = 0x08,
-               OD_VISIBLE_STRING = 0x09,
-               OD_OCTET_STRING = 0x0A,
-               OD_UNICODE_STRING = 0x0B,
-               OD_TIME_OF_DAY = 0x0C,
-               OD_TIME_DIFFERENCE = 0x0D,
-               OD_DOMAIN = 0x0F,
-               OD_INTEGER24 = 0x10,
-               OD_REAL64 = 0x11,
-               OD_INTEGER40 = 0x12,
-               OD_INTEGER48 = 0x13,
-               OD_INTEGER56 = 0x14,
-               OD_INTEGER64 = 0x15,
-               OD_UNSIGNED24 = 0x16,
-               OD_UNSIGNED40 = 0x18,
-               OD_UNSIGNED48 = 0x19,
-               OD_UNSIGNED56 = 0x1A,
-               OD_UNSIGNED64 = 0x1B
+/* CiA 301 data type indices. */
+enum od_type {
+    OD_BOOLEAN = 0x01,
+    OD_INTEGER8 = 0x02,
+    OD_INTEGER16 = 0x03,
+    OD_INTEGER32 = 0x04,
+    OD_UNSIGNED8 = 0x05,
+    OD_UNSIGNED16 = 0x06,
+    OD_UNSIGNED32 = 0x07,
+    OD_REAL32 = 0x08,
+    OD_VISIBLE_STRING = 0x09,
+    OD_OCTET_STRING = 0x0A,
+    OD_UNICODE_STRING = 0x0B,
+    OD_TIME_OF_DAY = 0x0C,
+    OD_TIME_DIFFERENCE = 0x0D,
+    OD_DOMAIN = 0x0F,
+    OD_INTEGER24 = 0x10,
+    OD_REAL64 = 0x11,
+    OD_INTEGER40 = 0x12,
+    OD_INTEGER48 = 0x13,
+    OD_INTEGER56 = 0x14,
+    OD_INTEGER64 = 0x15,
+    OD_UNSIGNED24 = 0x16,
+    OD_UNSIGNED40 = 0x18,
+    OD_UNSIGNED48 = 0x19,
+    OD_UNSIGNED56 = 0x1A,
+    OD_UNSIGNED64 = 0x1B
 };
 
 enum od_access { OD_RO, OD_WO, OD_RW, OD_RWR, OD_RWW, OD_CONST };

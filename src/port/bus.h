@@ -27,8 +27,8 @@ enum bus_state {
 };
 
 struct bus_options {
-    bool own_frames; /* deliver the frames sent here too, marked CO_FRAME_OWN, at their place */
-    unsigned bitrate; /* kbit/s the network is configured for, compared where the bus knows its own */
+    bool own_frames;  /* deliver the frames sent here too, marked CO_FRAME_OWN, at their place */
+    unsigned bitrate; /* kbit/s as configured, compared where the bus knows its own */
 };
 
 struct bus_rx {
@@ -46,11 +46,11 @@ struct bus_filter { /* passes a frame if (id & mask) == (this id & mask) and the
 };
 
 /*
- * CO_ERR_NO_BUS: no such interface; CO_ERR_DOWN: it is down; CO_ERR_PERMISSION; CO_ERR_BITRATE: it runs
- * at another bit rate; CO_ERR_ARG: the name is none; CO_ERR_HELD: a stopped process holds the virtual
- * bus; CO_ERR_STATE: the virtual bus is in use by programs this one cannot share it with;
- * CO_ERR_IO, CO_ERR_MEMORY.
- * message (may be NULL) gets one line of text: what is wrong and the command that mends it.
+ * CO_ERR_NO_BUS: no such interface; CO_ERR_DOWN: it is down; CO_ERR_PERMISSION; CO_ERR_BITRATE: it
+ * runs at another bit rate; CO_ERR_ARG: the name is none; CO_ERR_HELD: a stopped process holds the
+ * virtual bus; CO_ERR_STATE: the virtual bus is in use by programs this one cannot share it with;
+ * CO_ERR_IO, CO_ERR_MEMORY. message (may be NULL) gets one line of text: what is wrong and the
+ * command that mends it.
  */
 enum co_err bus_open(const char *name, const struct bus_options *options, struct bus **ret_bus,
                      char *message, size_t message_size);
@@ -68,13 +68,15 @@ enum co_err bus_wait(struct bus *self, co_us_t deadline);
 void bus_wake(struct bus *self);
 
 /*
- * Without filters (count 0) all data frames with 11-bit identifiers pass. Own frames pass the filters
- * like others. Only the thread that receives may call this, or anybody before it does.
+ * Without filters (count 0) all data frames with 11-bit identifiers pass. Own frames pass the
+ * filters like others. Only the thread that receives may call this, or anybody before it does.
  * CO_ERR_ARG: more than 512; CO_ERR_MEMORY, CO_ERR_IO.
  */
 enum co_err bus_set_filters(struct bus *self, const struct bus_filter *filters, size_t count);
 enum bus_state bus_get_state(struct bus *self);
-/* One line of text about the state: what is wrong and what mends it; for a bus in order, so much. */
+/*
+ * One line of text about the state: what is wrong and what mends it; for a bus in order, so much.
+ */
 void bus_explain(struct bus *self, char *message, size_t message_size);
 const char *bus_name(const struct bus *self);
 

@@ -92,9 +92,9 @@ static enum co_err set_up(struct segment *self, const struct bus_message *messag
         error = posix_fallocate(self->fd, 0, sizeof(struct segment_map));
     map = error ? NULL : map_file(self->fd);
     if (!map) {
-        return bus_fail(message, CO_ERR_MEMORY, "virtual bus %s: no room for %zu KiB in /dev/shm: %s",
-                        self->name, sizeof(struct segment_map) / 1024,
-                        strerror(error ? error : errno));
+        return bus_fail(message, CO_ERR_MEMORY,
+                        "virtual bus %s: no room for %zu KiB in /dev/shm: %s", self->name,
+                        sizeof(struct segment_map) / 1024, strerror(error ? error : errno));
     }
     map->header.version = SEGMENT_VERSION;
     map->header.mutex_size = sizeof(pthread_mutex_t);
@@ -241,7 +241,9 @@ enum co_err segment_lock(struct segment *self, co_us_t limit)
 
     if (error == EBUSY || error == ETIMEDOUT)
         return CO_ERR_HELD;
-    /* Its holder was killed: what it had begun to append is not visible, there is nothing to mend. */
+    /*
+     * Its holder was killed: what it had begun to append is not visible, there is nothing to mend.
+     */
     if (error == EOWNERDEAD)
         error = pthread_mutex_consistent(&self->map->mutex);
     if (error)

@@ -31,14 +31,14 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
-#include <sys/types.h>
 #include <sys/socket.h>
+#include <sys/types.h>
 #include <sys/un.h>
 
-#define SEGMENT_RECORDS 65536u
-#define SEGMENT_SLOTS   64u
-#define SEGMENT_MAGIC   UINT64_C(0x5355424e504f434d) /* "MCOPNBUS" */
-#define SEGMENT_VERSION 1u
+#define SEGMENT_RECORDS  65536u
+#define SEGMENT_SLOTS    64u
+#define SEGMENT_MAGIC    UINT64_C(0x5355424e504f434d) /* "MCOPNBUS" */
+#define SEGMENT_VERSION  1u
 #define SEGMENT_NAME_MAX 32u
 
 /* A longer hold is not work but a stopped process. */
@@ -51,7 +51,7 @@ struct segment_record {
     _Atomic uint64_t data;
 };
 
-struct segment_slot { /* one participant; a cache line */
+struct segment_slot {         /* one participant; a cache line */
     _Atomic uint64_t ticket;  /* 0: awake */
     _Atomic uint64_t started; /* when its process was, in the kernel's clock ticks */
     _Atomic uint32_t pid;
@@ -59,7 +59,7 @@ struct segment_slot { /* one participant; a cache line */
     uint64_t unused[5];
 };
 
-struct segment_header { /* the same in all versions */
+struct segment_header {     /* the same in all versions */
     _Atomic uint64_t magic; /* stored last */
     uint32_t version;
     uint32_t mutex_size; /* differs where programs of other word sizes come along */
@@ -69,8 +69,8 @@ struct segment_map {
     struct segment_header header;
     uint64_t network_space, pid_space; /* inodes; addresses and pids mean nothing elsewhere */
     pthread_mutex_t mutex;
-    _Atomic uint32_t holder; /* pid, for messages only */
-    uint32_t next_number;    /* under the mutex */
+    _Atomic uint32_t holder;            /* pid, for messages only */
+    uint32_t next_number;               /* under the mutex */
     _Alignas(64) _Atomic uint64_t head; /* number of the next frame */
     _Atomic uint32_t slots_used;        /* no slot from this one on was ever used */
     _Alignas(64) struct segment_slot slots[SEGMENT_SLOTS];

@@ -186,7 +186,8 @@ static enum co_err virtual_wait(struct bus *bus, co_us_t deadline)
     bool woken = false;
 
     while (!has_frame(self)) {
-        enum co_err err = sleep_until(self, co_earlier(deadline, clock_now() + SLEEP_LIMIT), &woken);
+        enum co_err err = sleep_until(self, co_earlier(deadline, clock_now() + SLEEP_LIMIT),
+                                      &woken);
 
         if (woken)
             return CO_OK;

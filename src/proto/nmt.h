@@ -12,11 +12,12 @@
 #define NMT_ALL_NODES        0u
 #define NMT_NODE_MAX         127u
 
-enum nmt_state { /* as reported by boot-up and heartbeat */
-                 NMT_INITIALISING = 0x00,
-                 NMT_STOPPED = 0x04,
-                 NMT_OPERATIONAL = 0x05,
-                 NMT_PREOPERATIONAL = 0x7F
+/* As reported by boot-up and heartbeat. */
+enum nmt_state {
+    NMT_INITIALISING = 0x00,
+    NMT_STOPPED = 0x04,
+    NMT_OPERATIONAL = 0x05,
+    NMT_PREOPERATIONAL = 0x7F
 };
 
 enum nmt_command {

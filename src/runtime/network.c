@@ -5,17 +5,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define OUT_FRAMES     512u
-#define OUT_EVENTS     512u
-#define TX_QUEUE_SIZE  1024u
-#define RX_BURST       64u        /* frames handled before the lock is given once */
-#define TX_RETRY       CO_MS(1)   /* the bus had no room */
-#define TX_GIVE_UP     CO_MS(2000) /* for the oldest frame */
+#define OUT_FRAMES    512u
+#define OUT_EVENTS    512u
+#define TX_QUEUE_SIZE 1024u
+#define RX_BURST      64u         /* frames handled before the lock is given once */
+#define TX_RETRY      CO_MS(1)    /* the bus had no room */
+#define TX_GIVE_UP    CO_MS(2000) /* for the oldest frame */
 
 /* What a manager and a slave have in common: the machine's form. */
 struct device {
     uint8_t node;
-    struct slave *slave;     /* one of these two */
+    struct slave *slave; /* one of these two */
     struct manager *manager;
 };
 
@@ -218,8 +218,7 @@ static void wait_for_bus(struct network *self, co_us_t deadline)
         return;
     lock_take(&self->lock); /* the bus is gone: go on with time alone, not in a hurry */
     if (!self->closing)
-        condition_wait(&self->changed, &self->lock,
-                       co_earlier(deadline, clock_now() + CO_MS(100)));
+        condition_wait(&self->changed, &self->lock, co_earlier(deadline, clock_now() + CO_MS(100)));
     lock_give(&self->lock);
 }
 
@@ -350,8 +349,8 @@ enum co_err network_add_slave(struct network *self, struct slave *slave)
 
 enum co_err network_add_manager(struct network *self, struct manager *manager)
 {
-    return add_device(self, (struct device){ .node = manager->config->manager_node_id,
-                                             .manager = manager });
+    return add_device(
+        self, (struct device){ .node = manager->config->manager_node_id, .manager = manager });
 }
 
 enum co_err network_start(struct network *self)

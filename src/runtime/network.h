@@ -4,9 +4,9 @@
  *   in   frames from the bus, orders of API calls, the clock
  *   out  frames to the bus; the devices' events, to the owner's sink
  *
- * The protocol thread owns the receiving side: it hands frames in bus order to all devices, keeps their
- * deadlines and sends what they put out. API calls act on a device between network_enter() and
- * network_leave(), which hold the network's lock and send at once what the device put out.
+ * The protocol thread owns the receiving side: it hands frames in bus order to all devices, keeps
+ * their deadlines and sends what they put out. API calls act on a device between network_enter()
+ * and network_leave(), which hold the network's lock and send at once what the device put out.
  *
  *   owner    api/, or a tool
  *   locking  its own lock, see docs/threading.md
@@ -32,7 +32,7 @@ typedef void (*network_sink_fn)(void *context, struct network *network,
                                 const struct co_event *event);
 
 struct network_options {
-    const char *bus; /* see port/bus.h */
+    const char *bus;  /* see port/bus.h */
     unsigned bitrate; /* kbit/s */
     network_sink_fn sink;
     void *context;

@@ -65,7 +65,12 @@ static const struct device_entry entries[] = {
     { 0x1A00, 1, OD_UNSIGNED32, OD_RW, 0x20060010, false },
     { 0x1A00, 2, OD_UNSIGNED32, OD_RW, 0, false },
     { 0x1A00, 3, OD_UNSIGNED32, OD_RW, 0, false },
-    { 0x1A05, 0, OD_UNSIGNED8, OD_RW, 0, false }, /* without 1805h */
+    { 0x1402, 1, OD_UNSIGNED32, OD_RO, 0x405, false }, /* cannot be switched off */
+    { 0x1602, 0, OD_UNSIGNED8, OD_RW, 1, false },
+    { 0x1602, 1, OD_UNSIGNED32, OD_RW, 0x20000020, false },
+    { 0x1403, 1, OD_UNSIGNED32, OD_RW, 0x181, false },
+    { 0x1804, 1, OD_UNSIGNED32, OD_RW, 0x180, false }, /* a restricted identifier */
+    { 0x1A05, 0, OD_UNSIGNED8, OD_RW, 0, false },      /* without 1805h */
     { 0x1A05, 1, OD_UNSIGNED32, OD_RW, 0, false },
     { 0x2000, 0, OD_UNSIGNED32, OD_RWW, 0, true },
     { 0x2001, 0, OD_UNSIGNED32, OD_RWR, 0, true },
@@ -357,6 +362,14 @@ static const struct {
       { { 0x1800, 1, 4, OFF, SDO_OK }, { 0x1A00, 0, 1, 0, SDO_OK },
         { 0x1A00, 1, 4, 0x20010020, SDO_OK }, { 0x1A00, 1, 4, 0x20060010, SDO_OK },
         { 0x1A00, 0, 1, 1, SDO_OK } } },
+    { "a PDO that cannot be switched off is mapped while it is valid",
+      { { 0x1402, 1, 4, OFF, SDO_READ_ONLY }, { 0x1602, 1, 4, 0x20030010, SDO_ACCESS },
+        { 0x1602, 0, 1, 0, SDO_OK }, { 0x1602, 1, 4, 0x20030010, SDO_OK },
+        { 0x1602, 0, 1, 1, SDO_OK } } },
+    { "a default CAN-ID is right, restricted or not",
+      { { 0x1804, 1, 4, 0x80000180, SDO_OK }, { 0x1804, 1, 4, 0x17F, SDO_INVALID_VALUE },
+        { 0x1804, 1, 4, 0x180, SDO_OK }, { 0x1804, 1, 4, 0x17F, SDO_INVALID_VALUE },
+        { 0x1403, 1, 4, OFF, SDO_OK }, { 0x1403, 1, 4, 0x180, SDO_INVALID_VALUE } } },
     { "a mapping with a fixed count is changed in place",
       { { 0x1601, 1, 4, 0x20000020, SDO_OK }, { 0x1601, 2, 4, 0x20030010, SDO_OK },
         { 0x1601, 2, 4, 0x20010020, SDO_NOT_MAPPABLE } } },

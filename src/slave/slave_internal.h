@@ -21,6 +21,7 @@ struct slave_write {
 };
 
 /* slave_objects.c: the rules of the communication objects. */
+bool slave_is_default(const struct od_entry *entry, const uint8_t *value, uint32_t size);
 sdo_abort_t slave_check_write(const struct slave_write *write);
 /* slave_mapping.c: those of 1600h.. and 1A00h... */
 sdo_abort_t slave_check_mapping(const struct slave_write *write);

@@ -66,12 +66,6 @@ static sdo_abort_t check_object(const struct od *od, const struct mapped *mapped
     return SDO_OK;
 }
 
-/* What the device description itself maps is right, whatever it tells about the object. */
-static bool is_own_default(const struct od_entry *entry, const uint8_t *value, uint32_t size)
-{
-    return entry->initial_size == size && size > 0 && memcmp(entry->initial, value, size) == 0;
-}
-
 static bool can_write(const struct od_entry *entry)
 {
     return entry->access != OD_RO && entry->access != OD_CONST;
@@ -91,7 +85,8 @@ static sdo_abort_t check_entry(const struct slave_write *write, bool transmit)
 
     if (is_switched_on(write->od, write->entry->index))
         return SDO_ACCESS;
-    if (write->number == 0 || is_own_default(write->entry, write->value, write->size))
+    /* What the device description itself maps is right, whatever it tells about the object. */
+    if (write->number == 0 || slave_is_default(write->entry, write->value, write->size))
         return SDO_OK;
     return check_object(write->od, &mapped, transmit);
 }
@@ -105,7 +100,7 @@ static sdo_abort_t check_counted(const struct od *od, const struct od_entry *ent
         return SDO_PDO_LENGTH;
     mapped = take_apart(od_number(od, entry->index, entry->sub, 0));
     *bits += mapped.bits;
-    if (is_own_default(entry, entry->value, entry->size))
+    if (slave_is_default(entry, entry->value, entry->size))
         return mapped.bits != 0 ? SDO_OK : SDO_NO_OBJECT;
     return check_object(od, &mapped, transmit);
 }
@@ -126,14 +121,21 @@ static sdo_abort_t check_count(const struct slave_write *write, bool transmit)
     return bits <= MAPPED_MAX ? SDO_OK : SDO_PDO_LENGTH;
 }
 
+/* A PDO that cannot be switched off is mapped while it is valid. */
+static bool must_be_switched_off(const struct slave_write *write)
+{
+    const uint16_t communication = (uint16_t)(write->entry->index - COMMUNICATION);
+    const struct od_entry *cob_id = od_find(write->od, communication, 1);
+
+    return cob_id != NULL && can_write(cob_id) &&
+           (od_number(write->od, communication, 1, 0) & COB_ID_INVALID) == 0;
+}
+
 sdo_abort_t slave_check_mapping(const struct slave_write *write)
 {
-    const uint16_t index = write->entry->index;
-    const bool transmit = index >= FIRST_TPDO;
-    const uint64_t cob_id = od_number(write->od, (uint16_t)(index - COMMUNICATION), 1,
-                                      COB_ID_INVALID);
+    const bool transmit = write->entry->index >= FIRST_TPDO;
 
-    if ((cob_id & COB_ID_INVALID) == 0)
+    if (must_be_switched_off(write))
         return SDO_ACCESS;
     return write->entry->sub == 0 ? check_count(write, transmit) : check_entry(write, transmit);
 }

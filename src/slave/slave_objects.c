@@ -1,5 +1,7 @@
 #include "slave/slave_internal.h"
 
+#include <string.h>
+
 #define CAN_ID_MASK  0x000007FFu /* of a COB-ID */
 #define CAN_ID_UPPER 0x1FFFF800u
 #define FRAME_29_BIT 0x20000000u
@@ -44,11 +46,19 @@ static bool is_base_frame(uint64_t cob_id)
     return (cob_id & (FRAME_29_BIT | CAN_ID_UPPER)) == 0;
 }
 
-static sdo_abort_t check_can_id(uint64_t cob_id)
+bool slave_is_default(const struct od_entry *entry, const uint8_t *value, uint32_t size)
 {
-    return is_base_frame(cob_id) && !is_restricted((uint32_t)(cob_id & CAN_ID_MASK))
-               ? SDO_OK
-               : SDO_INVALID_VALUE;
+    return entry->initial_size == size && size > 0 && memcmp(entry->initial, value, size) == 0;
+}
+
+/* Some devices come with identifiers that nobody may give them. */
+static sdo_abort_t check_can_id(const struct slave_write *write)
+{
+    const uint32_t can_id = (uint32_t)(write->number & CAN_ID_MASK);
+
+    if (slave_is_default(write->entry, write->value, write->size))
+        return SDO_OK;
+    return is_base_frame(write->number) && !is_restricted(can_id) ? SDO_OK : SDO_INVALID_VALUE;
 }
 
 static uint64_t present(const struct slave_write *write)
@@ -73,7 +83,7 @@ static sdo_abort_t check_broadcast_cob_id(const struct slave_write *write, uint6
     if ((write->number & taking_part) != 0 && (present(write) & taking_part) != 0 &&
         changes(write, FROZEN_BITS & ~taking_part))
         return SDO_INVALID_VALUE;
-    return check_can_id(write->number);
+    return check_can_id(write);
 }
 
 static sdo_abort_t check_sync(const struct slave_write *write)
@@ -93,7 +103,7 @@ static sdo_abort_t check_switched_cob_id(const struct slave_write *write)
         return SDO_OK;
     if ((present(write) & COB_ID_INVALID) == 0 && changes(write, FROZEN_BITS))
         return SDO_INVALID_VALUE;
-    return check_can_id(write->number);
+    return check_can_id(write);
 }
 
 static sdo_abort_t check_emcy(const struct slave_write *write)
@@ -181,7 +191,7 @@ static sdo_abort_t check_sdo_channel(const struct slave_write *write)
     if (client && is_base_frame(write->number) &&
         is_default_sdo((uint32_t)(write->number & CAN_ID_MASK)))
         return SDO_OK;
-    return check_can_id(write->number);
+    return check_can_id(write);
 }
 
 static bool pdo_is_valid(const struct slave_write *write)

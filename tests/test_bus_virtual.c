@@ -1,116 +1,34 @@
 /* The virtual bus within one process: what each handle gets, in which order, with which marks. */
-#include "port/bus.h"
-
 #include "port/bus_ops.h"
 #include "port/bus_segment.h"
 #include "port/clock.h"
-#include "port/thread.h"
+#include "support/bus_fixture.h"
 
 #include <check.h>
-#include <fcntl.h>
-#include <stdio.h>
+#include <pthread.h>
 #include <stdlib.h>
-#include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
-
-static char name[64]; /* of this run's bus */
-static char path[80]; /* of its file */
-
-static void choose_name(void)
-{
-    snprintf(name, sizeof name, "virtual:test-%d", (int)getpid());
-    snprintf(path, sizeof path, "/dev/shm/mcanopen-%u-test-%d", (unsigned)geteuid(), (int)getpid());
-}
-
-/* What a failed test, or a killed participant, has left there. */
-static void remove_file(void)
-{
-    unlink(path);
-}
-
-static struct bus *open_bus(bool own_frames)
-{
-    const struct bus_options options = { .own_frames = own_frames };
-    char message[200] = "";
-    struct bus *bus = NULL;
-    enum co_err err = bus_open(name, &options, &bus, message, sizeof message);
-
-    ck_assert_msg(err == CO_OK, "%s", message);
-    return bus;
-}
-
-static enum co_err try_open(const char *bus_to_open, char *message, size_t size)
-{
-    const struct bus_options options = { .own_frames = false };
-    struct bus *bus = NULL;
-    enum co_err err = bus_open(bus_to_open, &options, &bus, message, size);
-
-    bus_close(bus);
-    return err;
-}
-
-static void send_text(struct bus *bus, const char *text, uint8_t tag)
-{
-    struct co_frame frame;
-
-    ck_assert(co_frame_parse(text, &frame));
-    frame.tag = tag;
-    ck_assert_int_eq(bus_send(bus, &frame), CO_OK);
-}
-
-static void send_number(struct bus *bus, uint32_t number)
-{
-    struct co_frame frame = co_frame_make(0x123, 4);
-
-    memcpy(frame.data, &number, sizeof number);
-    ck_assert_int_eq(bus_send(bus, &frame), CO_OK);
-}
-
-static uint32_t number_of(const struct bus_rx *rx)
-{
-    uint32_t number;
-
-    memcpy(&number, rx->frame.data, sizeof number);
-    return number;
-}
-
-static struct bus_rx expect(struct bus *bus, const char *text)
-{
-    struct bus_rx rx = { .lost = 0 };
-    char got[CO_FRAME_TEXT_SIZE];
-
-    ck_assert_int_eq(bus_receive(bus, &rx), CO_OK);
-    ck_assert_str_eq(co_frame_format(&rx.frame, got, sizeof got), text);
-    return rx;
-}
-
-static void expect_nothing(struct bus *bus)
-{
-    struct bus_rx rx;
-
-    ck_assert_int_eq(bus_receive(bus, &rx), CO_ERR_AGAIN);
-}
 
 /* --- frames --- */
 
 START_TEST(a_frame_reaches_all_others_unmarked)
 {
-    struct bus *sender = open_bus(false), *near = open_bus(false), *other = open_bus(true);
+    struct bus *sender = fixture_open(false), *near = fixture_open(false),
+               *other = fixture_open(true);
     co_us_t before = clock_now();
     struct bus_rx rx;
 
-    send_text(sender, "605#4000100000000000", 9);
-    rx = expect(near, "605#4000100000000000");
+    fixture_send(sender, "605#4000100000000000", 9);
+    rx = fixture_expect(near, "605#4000100000000000");
     ck_assert_uint_eq(rx.frame.tag, 0);
     ck_assert_uint_eq(rx.frame.flags, 0);
     ck_assert_uint_eq(rx.lost, 0);
     ck_assert_uint_ge(rx.time, before);
     ck_assert_uint_le(rx.time, clock_now());
-    rx = expect(other, "605#4000100000000000");
+    rx = fixture_expect(other, "605#4000100000000000");
     ck_assert_uint_eq(rx.frame.flags, 0);
-    expect_nothing(sender);
-    expect_nothing(near);
+    fixture_expect_nothing(sender);
+    fixture_expect_nothing(near);
     bus_close(sender);
     bus_close(near);
     bus_close(other);
@@ -119,22 +37,22 @@ END_TEST
 
 START_TEST(own_frames_come_back_marked_at_their_place)
 {
-    struct bus *self = open_bus(true), *other = open_bus(false);
+    struct bus *self = fixture_open(true), *other = fixture_open(false);
     struct bus_rx rx;
 
-    send_text(self, "181#01", 7);
-    send_text(other, "182#02", 8);
-    send_text(self, "183#03", 9);
-    rx = expect(self, "181#01");
+    fixture_send(self, "181#01", 7);
+    fixture_send(other, "182#02", 8);
+    fixture_send(self, "183#03", 9);
+    rx = fixture_expect(self, "181#01");
     ck_assert_uint_eq(rx.frame.flags, CO_FRAME_OWN);
     ck_assert_uint_eq(rx.frame.tag, 7);
-    rx = expect(self, "182#02");
+    rx = fixture_expect(self, "182#02");
     ck_assert_uint_eq(rx.frame.flags, 0);
     ck_assert_uint_eq(rx.frame.tag, 0);
-    rx = expect(self, "183#03");
+    rx = fixture_expect(self, "183#03");
     ck_assert_uint_eq(rx.frame.flags, CO_FRAME_OWN);
     ck_assert_uint_eq(rx.frame.tag, 9);
-    expect_nothing(self);
+    fixture_expect_nothing(self);
     bus_close(self);
     bus_close(other);
 }
@@ -146,16 +64,16 @@ START_TEST(all_see_the_same_order)
     struct bus_rx rx;
 
     for (unsigned i = 0; i < 4; i++)
-        handles[i] = open_bus(true);
+        handles[i] = fixture_open(true);
     for (uint32_t n = 0; n < 1000; n++)
-        send_number(handles[n % 7 % 4], n);
+        fixture_send_number(handles[n % 7 % 4], n);
     for (unsigned i = 0; i < 4; i++) {
         for (uint32_t n = 0; n < 1000; n++) {
             ck_assert_int_eq(bus_receive(handles[i], &rx), CO_OK);
-            ck_assert_uint_eq(number_of(&rx), n);
+            ck_assert_uint_eq(fixture_number_of(&rx), n);
             ck_assert_uint_eq(rx.frame.flags, n % 7 % 4 == i ? CO_FRAME_OWN : 0);
         }
-        expect_nothing(handles[i]);
+        fixture_expect_nothing(handles[i]);
     }
     for (unsigned i = 0; i < 4; i++)
         bus_close(handles[i]);
@@ -164,13 +82,13 @@ END_TEST
 
 START_TEST(a_newcomer_hears_nothing_of_before)
 {
-    struct bus *first = open_bus(false), *second;
+    struct bus *first = fixture_open(false), *second;
 
-    send_text(first, "000#0100", 0);
-    second = open_bus(false);
-    expect_nothing(second);
-    send_text(first, "000#0200", 0);
-    expect(second, "000#0200");
+    fixture_send(first, "000#0100", 0);
+    second = fixture_open(false);
+    fixture_expect_nothing(second);
+    fixture_send(first, "000#0200", 0);
+    fixture_expect(second, "000#0200");
     bus_close(first);
     bus_close(second);
 }
@@ -178,7 +96,7 @@ END_TEST
 
 START_TEST(what_is_no_frame_is_refused)
 {
-    struct bus *bus = open_bus(true);
+    struct bus *bus = fixture_open(true);
     struct co_frame frame = co_frame_make(0x800, 0);
 
     ck_assert_int_eq(bus_send(bus, &frame), CO_ERR_ARG);
@@ -187,7 +105,7 @@ START_TEST(what_is_no_frame_is_refused)
     frame = co_frame_make(0x20000000, 0);
     frame.flags = CO_FRAME_EXT;
     ck_assert_int_eq(bus_send(bus, &frame), CO_ERR_ARG);
-    expect_nothing(bus);
+    fixture_expect_nothing(bus);
     bus_close(bus);
 }
 END_TEST
@@ -200,9 +118,7 @@ static const struct {
     const char *sent[6];
     const char *passes[6];
 } filter_cases[] = {
-    { .count = 0,
-      .sent = { "123#", "123#R", "00000123#", "7FF#" },
-      .passes = { "123#", "7FF#" } },
+    { .count = 0, .sent = { "123#", "123#R", "00000123#", "7FF#" }, .passes = { "123#", "7FF#" } },
     { .filters = { { 0x123, 0x7FF, 0, CO_FRAME_EXT | CO_FRAME_RTR } },
       .count = 1,
       .sent = { "122#", "123#", "123#R", "00000123#", "124#" },
@@ -223,15 +139,15 @@ static const struct {
 
 START_TEST(filters_pass_what_they_name)
 {
-    struct bus *sender = open_bus(false), *reader = open_bus(false);
+    struct bus *sender = fixture_open(false), *reader = fixture_open(false);
 
-    ck_assert_int_eq(
-        bus_set_filters(reader, filter_cases[_i].filters, filter_cases[_i].count), CO_OK);
+    ck_assert_int_eq(bus_set_filters(reader, filter_cases[_i].filters, filter_cases[_i].count),
+                     CO_OK);
     for (unsigned i = 0; i < 6 && filter_cases[_i].sent[i]; i++)
-        send_text(sender, filter_cases[_i].sent[i], 0);
+        fixture_send(sender, filter_cases[_i].sent[i], 0);
     for (unsigned i = 0; i < 6 && filter_cases[_i].passes[i]; i++)
-        expect(reader, filter_cases[_i].passes[i]);
-    expect_nothing(reader);
+        fixture_expect(reader, filter_cases[_i].passes[i]);
+    fixture_expect_nothing(reader);
     bus_close(sender);
     bus_close(reader);
 }
@@ -240,17 +156,17 @@ END_TEST
 START_TEST(filters_can_be_taken_back_and_are_bounded)
 {
     static const struct bus_filter many[BUS_FILTERS_MAX + 1];
-    struct bus *sender = open_bus(false), *reader = open_bus(false);
+    struct bus *sender = fixture_open(false), *reader = fixture_open(false);
     const struct bus_filter one = { 0x10, 0x7FF, 0, 3 };
 
     ck_assert_int_eq(bus_set_filters(reader, &one, 1), CO_OK);
     ck_assert_int_eq(bus_set_filters(reader, many, BUS_FILTERS_MAX + 1), CO_ERR_ARG);
-    send_text(sender, "011#", 0);
-    expect_nothing(reader);
+    fixture_send(sender, "011#", 0);
+    fixture_expect_nothing(reader);
     ck_assert_int_eq(bus_set_filters(reader, many, BUS_FILTERS_MAX), CO_OK);
     ck_assert_int_eq(bus_set_filters(reader, NULL, 0), CO_OK);
-    send_text(sender, "012#", 0);
-    expect(reader, "012#");
+    fixture_send(sender, "012#", 0);
+    fixture_expect(reader, "012#");
     bus_close(sender);
     bus_close(reader);
 }
@@ -260,20 +176,20 @@ END_TEST
 
 START_TEST(a_slow_reader_learns_exactly_what_it_lost)
 {
-    struct bus *sender = open_bus(false), *reader = open_bus(false);
+    struct bus *sender = fixture_open(false), *reader = fixture_open(false);
     struct bus_rx rx;
 
     for (uint32_t n = 0; n < SEGMENT_RECORDS + 100; n++)
-        send_number(sender, n);
+        fixture_send_number(sender, n);
     ck_assert_int_eq(bus_receive(reader, &rx), CO_OK);
     ck_assert_uint_eq(rx.lost, 100);
-    ck_assert_uint_eq(number_of(&rx), 100);
+    ck_assert_uint_eq(fixture_number_of(&rx), 100);
     for (uint32_t n = 101; n < SEGMENT_RECORDS + 100; n++) {
         ck_assert_int_eq(bus_receive(reader, &rx), CO_OK);
         ck_assert_uint_eq(rx.lost, 0);
-        ck_assert_uint_eq(number_of(&rx), n);
+        ck_assert_uint_eq(fixture_number_of(&rx), n);
     }
-    expect_nothing(reader);
+    fixture_expect_nothing(reader);
     bus_close(sender);
     bus_close(reader);
 }
@@ -281,14 +197,14 @@ END_TEST
 
 START_TEST(a_full_ring_is_no_loss)
 {
-    struct bus *sender = open_bus(false), *reader = open_bus(false);
+    struct bus *sender = fixture_open(false), *reader = fixture_open(false);
     struct bus_rx rx;
 
     for (uint32_t n = 0; n < SEGMENT_RECORDS; n++)
-        send_number(sender, n);
+        fixture_send_number(sender, n);
     ck_assert_int_eq(bus_receive(reader, &rx), CO_OK);
     ck_assert_uint_eq(rx.lost, 0);
-    ck_assert_uint_eq(number_of(&rx), 0);
+    ck_assert_uint_eq(fixture_number_of(&rx), 0);
     bus_close(sender);
     bus_close(reader);
 }
@@ -296,19 +212,19 @@ END_TEST
 
 START_TEST(a_loss_is_kept_until_a_frame_passes_the_filters)
 {
-    struct bus *sender = open_bus(false), *reader = open_bus(false);
+    struct bus *sender = fixture_open(false), *reader = fixture_open(false);
     const struct bus_filter filter = { 0x10, 0x7FF, 0, 3 };
     struct bus_rx rx;
 
     ck_assert_int_eq(bus_set_filters(reader, &filter, 1), CO_OK);
     for (uint32_t n = 0; n < SEGMENT_RECORDS + 5; n++)
-        send_number(sender, n);
-    expect_nothing(reader);
-    send_text(sender, "010#", 0);
-    rx = expect(reader, "010#");
+        fixture_send_number(sender, n);
+    fixture_expect_nothing(reader);
+    fixture_send(sender, "010#", 0);
+    rx = fixture_expect(reader, "010#");
     ck_assert_uint_eq(rx.lost, 5);
-    send_text(sender, "010#", 0);
-    rx = expect(reader, "010#");
+    fixture_send(sender, "010#", 0);
+    rx = fixture_expect(reader, "010#");
     ck_assert_uint_eq(rx.lost, 0);
     bus_close(sender);
     bus_close(reader);
@@ -319,11 +235,11 @@ END_TEST
 
 START_TEST(wait_returns_at_once_with_a_frame_there)
 {
-    struct bus *sender = open_bus(false), *reader = open_bus(false);
+    struct bus *sender = fixture_open(false), *reader = fixture_open(false);
 
-    send_number(sender, 1);
+    fixture_send_number(sender, 1);
     ck_assert_int_eq(bus_wait(reader, 0), CO_OK);
-    expect(reader, "123#01000000");
+    fixture_expect(reader, "123#01000000");
     ck_assert_int_eq(bus_wait(reader, 0), CO_ERR_TIMEOUT);
     bus_close(sender);
     bus_close(reader);
@@ -332,7 +248,7 @@ END_TEST
 
 START_TEST(wait_ends_at_the_deadline_not_before)
 {
-    struct bus *bus = open_bus(false);
+    struct bus *bus = fixture_open(false);
     co_us_t deadline = clock_now() + CO_MS(30);
 
     ck_assert_int_eq(bus_wait(bus, deadline), CO_ERR_TIMEOUT);
@@ -344,15 +260,15 @@ END_TEST
 
 START_TEST(wait_sleeps_over_frames_that_are_not_wanted)
 {
-    struct bus *sender = open_bus(false), *reader = open_bus(false);
+    struct bus *sender = fixture_open(false), *reader = fixture_open(false);
     const struct bus_filter filter = { 0x10, 0x7FF, 0, 3 };
 
     ck_assert_int_eq(bus_set_filters(reader, &filter, 1), CO_OK);
-    send_number(sender, 1);
-    send_number(reader, 2);
+    fixture_send_number(sender, 1);
+    fixture_send_number(reader, 2);
     ck_assert_int_eq(bus_wait(reader, clock_now() + CO_MS(5)), CO_ERR_TIMEOUT);
     ck_assert_int_eq(bus_wait(sender, clock_now()), CO_OK);
-    expect(sender, "123#02000000");
+    fixture_expect(sender, "123#02000000");
     ck_assert_int_eq(bus_wait(sender, clock_now() + CO_MS(5)), CO_ERR_TIMEOUT);
     bus_close(sender);
     bus_close(reader);
@@ -361,7 +277,7 @@ END_TEST
 
 START_TEST(wake_ends_the_next_wait)
 {
-    struct bus *bus = open_bus(false);
+    struct bus *bus = fixture_open(false);
 
     bus_wake(bus);
     bus_wake(bus);
@@ -382,7 +298,7 @@ static bool wait_for_number(struct bus *bus, uint32_t number)
             if (bus_wait(bus, clock_now() + CO_MS(20000)) != CO_OK)
                 return false;
         }
-    } while (number_of(&rx) != number);
+    } while (fixture_number_of(&rx) != number);
     return true;
 }
 
@@ -391,7 +307,7 @@ static void *answer_the_second(void *context)
     for (uint32_t n = 0; n < ROUNDS; n++) {
         if (!wait_for_number(context, 2 * n + 1))
             return context;
-        send_number(context, 0);
+        fixture_send_number(context, 0);
     }
     return NULL;
 }
@@ -403,7 +319,7 @@ static void *answer_the_second(void *context)
  */
 START_TEST(no_wake_up_is_missed)
 {
-    struct bus *bus = open_bus(false), *other = open_bus(false);
+    struct bus *bus = fixture_open(false), *other = fixture_open(false);
     unsigned missed = 0;
     pthread_t thread;
     void *failed;
@@ -412,10 +328,10 @@ START_TEST(no_wake_up_is_missed)
     for (uint32_t n = 0; n < ROUNDS; n++) {
         co_us_t start = clock_now(), spent;
 
-        send_number(bus, 2 * n);
+        fixture_send_number(bus, 2 * n);
         for (volatile unsigned delay = n % 500 * 100; delay > 0; delay--)
             ;
-        send_number(bus, 2 * n + 1);
+        fixture_send_number(bus, 2 * n + 1);
         ck_assert(wait_for_number(bus, 0));
         spent = clock_now() - start;
         missed += spent > CO_MS(950) && spent < CO_MS(1050);
@@ -431,13 +347,13 @@ END_TEST
 static void *send_many(void *context)
 {
     for (uint32_t n = 0; n < 5000; n++)
-        send_number(context, n);
+        fixture_send_number(context, n);
     return NULL;
 }
 
 START_TEST(one_thread_sends_while_another_receives)
 {
-    struct bus *bus = open_bus(true);
+    struct bus *bus = fixture_open(true);
     struct bus_rx rx;
     pthread_t sender;
 
@@ -445,7 +361,7 @@ START_TEST(one_thread_sends_while_another_receives)
     for (uint32_t n = 0; n < 5000; n++) {
         while (bus_receive(bus, &rx) == CO_ERR_AGAIN)
             ck_assert_int_eq(bus_wait(bus, clock_now() + CO_MS(20000)), CO_OK);
-        ck_assert_uint_eq(number_of(&rx), n);
+        ck_assert_uint_eq(fixture_number_of(&rx), n);
     }
     ck_assert_int_eq(pthread_join(sender, NULL), 0);
     bus_close(bus);
@@ -461,7 +377,7 @@ static void *wake_later(void *context)
 
 START_TEST(wake_ends_the_wait_of_another_thread)
 {
-    struct bus *bus = open_bus(false);
+    struct bus *bus = fixture_open(false);
     pthread_t waker;
 
     ck_assert_int_eq(pthread_create(&waker, NULL, wake_later, bus), 0);
@@ -471,153 +387,13 @@ START_TEST(wake_ends_the_wait_of_another_thread)
 }
 END_TEST
 
-/* --- names, the file, the participants --- */
-
-static const struct {
-    const char *name;
-    enum co_err err;
-} name_cases[] = {
-    { "virtual:", CO_ERR_ARG },
-    { "virtual:a/b", CO_ERR_ARG },
-    { "virtual:a b", CO_ERR_ARG },
-    { "virtual:demo?bitrate=500000", CO_ERR_ARG },
-    { "virtual:\xC3\xA4", CO_ERR_ARG },
-    { "virtual:test-123456789012345678901234567", CO_OK },
-    { "virtual:test-1234567890123456789012345678", CO_ERR_ARG },
-    { "virtual:test-A_z.9", CO_OK },
-};
-
-START_TEST(names_are_checked)
-{
-    char message[200] = "";
-
-    ck_assert_int_eq(try_open(name_cases[_i].name, message, sizeof message), name_cases[_i].err);
-    if (name_cases[_i].err)
-        ck_assert_ptr_nonnull(strstr(message, "cannot name a virtual bus"));
-    ck_assert_int_eq(try_open(name_cases[_i].name, NULL, 0), name_cases[_i].err);
-}
-END_TEST
-
-START_TEST(the_bus_tells_its_name_and_state)
-{
-    struct bus *bus = open_bus(false);
-    char text[100];
-
-    ck_assert_str_eq(bus_name(bus), name);
-    ck_assert_int_eq(bus_get_state(bus), BUS_ACTIVE);
-    bus_explain(bus, text, sizeof text);
-    ck_assert_ptr_nonnull(strstr(text, "is up"));
-    bus_close(bus);
-    bus_close(NULL);
-}
-END_TEST
-
-START_TEST(the_last_one_removes_the_file)
-{
-    struct bus *first = open_bus(false), *second = open_bus(false);
-
-    ck_assert_int_eq(access(path, F_OK), 0);
-    bus_close(first);
-    ck_assert_int_eq(access(path, F_OK), 0);
-    bus_close(second);
-    ck_assert_int_ne(access(path, F_OK), 0);
-}
-END_TEST
-
-START_TEST(buses_are_private)
-{
-    struct bus *bus = open_bus(false);
-    struct stat info;
-
-    ck_assert_int_eq(stat(path, &info), 0);
-    ck_assert_uint_eq(info.st_mode & 0777, 0600);
-    bus_close(bus);
-}
-END_TEST
-
-START_TEST(participants_are_bounded)
-{
-    struct bus *all[SEGMENT_SLOTS];
-    char message[200];
-
-    for (unsigned i = 0; i < SEGMENT_SLOTS; i++)
-        all[i] = open_bus(false);
-    ck_assert_int_eq(try_open(name, message, sizeof message), CO_ERR_MEMORY);
-    ck_assert_ptr_nonnull(strstr(message, "has 64 participants"));
-    send_number(all[63], 1);
-    expect(all[0], "123#01000000");
-    bus_close(all[5]);
-    ck_assert_int_eq(try_open(name, message, sizeof message), CO_OK);
-    all[5] = open_bus(true);
-    for (unsigned i = 0; i < SEGMENT_SLOTS; i++)
-        bus_close(all[i]);
-}
-END_TEST
-
-static void write_file(const char *text, mode_t mode)
-{
-    int fd = open(path, O_WRONLY | O_CREAT, 0600);
-
-    ck_assert_int_ge(fd, 0);
-    ck_assert_int_eq(write(fd, text, strlen(text)), (ssize_t)strlen(text));
-    ck_assert_int_eq(fchmod(fd, mode), 0);
-    close(fd);
-}
-
-START_TEST(a_damaged_file_nobody_uses_is_set_up_anew)
-{
-    struct bus *first, *second;
-
-    write_file("this is not a bus", 0600);
-    first = open_bus(false);
-    second = open_bus(false);
-    send_number(first, 5);
-    expect(second, "123#05000000");
-    bus_close(first);
-    bus_close(second);
-}
-END_TEST
-
-START_TEST(a_damaged_file_in_use_is_refused)
-{
-    struct bus *bus = open_bus(false);
-    char message[300];
-
-    write_file("damaged!", 0600);
-    ck_assert_int_eq(try_open(name, message, sizeof message), CO_ERR_STATE);
-    ck_assert_ptr_nonnull(strstr(message, "is damaged"));
-    bus_close(bus);
-    ck_assert_int_eq(try_open(name, message, sizeof message), CO_OK);
-}
-END_TEST
-
-START_TEST(a_file_others_can_write_is_refused)
-{
-    char message[300];
-
-    write_file("", 0666);
-    ck_assert_int_eq(try_open(name, message, sizeof message), CO_ERR_PERMISSION);
-    ck_assert_ptr_nonnull(strstr(message, "not a private file"));
-}
-END_TEST
-
-START_TEST(a_link_is_refused)
-{
-    char message[300];
-
-    ck_assert_int_eq(symlink("/dev/null", path), 0);
-    ck_assert_int_eq(try_open(name, message, sizeof message), CO_ERR_IO);
-    ck_assert_ptr_nonnull(strstr(message, path));
-}
-END_TEST
-
 static Suite *suite_of_all(void)
 {
     Suite *suite = suite_create("bus_virtual");
     TCase *tests = tcase_create("one process");
 
     tcase_set_timeout(tests, 100);
-    tcase_add_checked_fixture(tests, remove_file, NULL);
+    tcase_add_checked_fixture(tests, fixture_remove_file, NULL);
     tcase_add_test(tests, a_frame_reaches_all_others_unmarked);
     tcase_add_test(tests, own_frames_come_back_marked_at_their_place);
     tcase_add_test(tests, all_see_the_same_order);
@@ -636,15 +412,6 @@ static Suite *suite_of_all(void)
     tcase_add_test(tests, wake_ends_the_wait_of_another_thread);
     tcase_add_test(tests, no_wake_up_is_missed);
     tcase_add_test(tests, one_thread_sends_while_another_receives);
-    tcase_add_loop_test(tests, names_are_checked, 0, sizeof name_cases / sizeof name_cases[0]);
-    tcase_add_test(tests, the_bus_tells_its_name_and_state);
-    tcase_add_test(tests, the_last_one_removes_the_file);
-    tcase_add_test(tests, buses_are_private);
-    tcase_add_test(tests, participants_are_bounded);
-    tcase_add_test(tests, a_damaged_file_nobody_uses_is_set_up_anew);
-    tcase_add_test(tests, a_damaged_file_in_use_is_refused);
-    tcase_add_test(tests, a_file_others_can_write_is_refused);
-    tcase_add_test(tests, a_link_is_refused);
     suite_add_tcase(suite, tests);
     return suite;
 }
@@ -654,10 +421,10 @@ int main(void)
     SRunner *runner = srunner_create(suite_of_all());
     int failed;
 
-    choose_name();
+    fixture_choose_name();
     srunner_run_all(runner, CK_NORMAL);
     failed = srunner_ntests_failed(runner);
-    remove_file();
+    fixture_remove_file();
     srunner_free(runner);
     return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -6,6 +6,7 @@
 
 #include "port/bus_segment.h"
 #include "port/clock.h"
+#include "support/bus_fixture.h"
 #include "support/peer.h"
 
 #include <check.h>
@@ -17,21 +18,6 @@
 #include <unistd.h>
 
 #define PATIENCE CO_MS(30000) /* a test that waits longer has failed */
-
-static char name[64];
-static char path[80];
-
-static void choose_name(void)
-{
-    snprintf(name, sizeof name, "virtual:test-%d", (int)getpid());
-    snprintf(path, sizeof path, "/dev/shm/mcanopen-%u-test-%d", (unsigned)geteuid(), (int)getpid());
-}
-
-/* What a failed test, or a killed participant, has left there. */
-static void remove_file(void)
-{
-    unlink(path);
-}
 
 /* --- the parts that other processes play; they report by their exit status --- */
 
@@ -160,7 +146,7 @@ static int play(char **arguments)
 
 static pid_t start(const char *part)
 {
-    const char *const arguments[] = { part, name, NULL };
+    const char *const arguments[] = { part, fixture_name(), NULL };
 
     return peer_start(arguments);
 }
@@ -168,7 +154,8 @@ static pid_t start(const char *part)
 static pid_t start_sender(unsigned id, unsigned count, unsigned burst)
 {
     char numbers[3][16];
-    const char *const arguments[] = { "sender", name, numbers[0], numbers[1], numbers[2], NULL };
+    const char *const arguments[] = { "sender",   fixture_name(), numbers[0],
+                                      numbers[1], numbers[2],     NULL };
 
     snprintf(numbers[0], sizeof numbers[0], "%u", id);
     snprintf(numbers[1], sizeof numbers[1], "%u", count);
@@ -196,7 +183,7 @@ static void expect_killed(pid_t pid)
 
 static struct bus *open_bus(void)
 {
-    return peer_open(name);
+    return peer_open(fixture_name());
 }
 
 static enum co_err send_one(struct bus *bus)
@@ -326,7 +313,7 @@ static void expect_held(struct bus *bus, pid_t holder)
     struct bus *other = NULL;
     co_us_t start;
 
-    snprintf(expected, sizeof expected, "%s is held by pid %d", name + strlen("virtual:"),
+    snprintf(expected, sizeof expected, "%s is held by pid %d", fixture_name() + strlen("virtual:"),
              (int)holder);
     ck_assert_int_eq(send_one(bus), CO_ERR_HELD);
     ck_assert_int_eq(bus_get_state(bus), BUS_DOWN);
@@ -337,7 +324,8 @@ static void expect_held(struct bus *bus, pid_t holder)
         ck_assert_int_eq(send_one(bus), CO_ERR_HELD);
     ck_assert_uint_lt(clock_now() - start, 25 * SEGMENT_HOLD_LIMIT); /* waits only once */
     message[0] = '\0';
-    ck_assert_int_eq(bus_open(name, &options, &other, message, sizeof message), CO_ERR_HELD);
+    ck_assert_int_eq(bus_open(fixture_name(), &options, &other, message, sizeof message),
+                     CO_ERR_HELD);
     ck_assert_ptr_nonnull(strstr(message, expected));
 }
 
@@ -409,7 +397,7 @@ START_TEST(a_bus_left_by_the_dead_is_set_up_anew)
     struct bus *bus;
 
     expect_killed(start("half"));
-    ck_assert_int_eq(access(path, F_OK), 0);
+    ck_assert_int_eq(access(fixture_path(), F_OK), 0);
     bus = open_bus();
     ck_assert_int_eq(send_one(bus), CO_OK);
     bus_close(bus);
@@ -491,11 +479,11 @@ int main(int argc, char **argv)
 
     if (argc > 2)
         return play(argv + 1);
-    choose_name();
+    fixture_choose_name();
     suite = suite_create("bus_virtual_processes");
     tests = tcase_create("processes");
     tcase_set_timeout(tests, 100);
-    tcase_add_checked_fixture(tests, remove_file, NULL);
+    tcase_add_checked_fixture(tests, fixture_remove_file, NULL);
     tcase_add_test(tests, all_processes_see_one_order);
     tcase_add_test(tests, losses_are_exact_while_writers_overrun_the_reader);
     tcase_add_test(tests, a_writer_killed_in_its_record_leaves_nothing);
@@ -511,7 +499,7 @@ int main(int argc, char **argv)
     runner = srunner_create(suite);
     srunner_run_all(runner, CK_NORMAL);
     failed = srunner_ntests_failed(runner);
-    remove_file();
+    fixture_remove_file();
     srunner_free(runner);
     return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -241,9 +241,7 @@ enum co_err segment_lock(struct segment *self, co_us_t limit)
 
     if (error == EBUSY || error == ETIMEDOUT)
         return CO_ERR_HELD;
-    /*
-     * Its holder was killed: what it had begun to append is not visible, there is nothing to mend.
-     */
+    /* Its holder was killed: what it had begun to append is not visible, nothing needs mending. */
     if (error == EOWNERDEAD)
         error = pthread_mutex_consistent(&self->map->mutex);
     if (error)

@@ -1,0 +1,27 @@
+/*
+ * The system calls of bus_socketcan.c in one table, so that tests can let them fail where no
+ * hardware would on demand. Internal to port/.
+ */
+#ifndef CO_PORT_BUS_SOCKETCAN_H
+#define CO_PORT_BUS_SOCKETCAN_H
+
+#include "port/bus_ops.h"
+
+#include <net/if.h>
+#include <sys/socket.h>
+
+struct socketcan_calls {
+    int (*socket)(int family, int type, int protocol);
+    int (*request)(int fd, unsigned long request, struct ifreq *interface); /* ioctl() */
+    int (*bind)(int fd, const struct sockaddr *address, socklen_t size);
+    int (*setsockopt)(int fd, int level, int option, const void *value, socklen_t size);
+    ssize_t (*send)(int fd, const void *data, size_t size, int flags);
+    ssize_t (*recvmsg)(int fd, struct msghdr *message, int flags);
+};
+
+/* As bus_socketcan_open(), which gives the real calls. They must outlive the bus. */
+enum co_err bus_socketcan_open_with(const struct socketcan_calls *calls, const char *name,
+                                    const struct bus_options *options, struct bus **ret_bus,
+                                    const struct bus_message *message);
+
+#endif

@@ -2,6 +2,7 @@
 #include "dcf/dcf_build.h"
 
 #include <stdio.h>
+#include <string.h>
 
 #define GRANULARITY_MAX 64u
 #define PDOS_MAX        512u
@@ -38,6 +39,8 @@ static void use_keys(struct dcf_section *section, const char *const *names, size
 /* '9' stands for a digit, 'x' for A or P. */
 static bool looks_like(struct dcf_slice text, const char *pattern)
 {
+    if (text.size != strlen(pattern))
+        return false;
     for (size_t i = 0; i < text.size; i++) {
         char c = text.text[i], wanted = pattern[i];
         bool digit = c >= '0' && c <= '9';
@@ -46,7 +49,7 @@ static bool looks_like(struct dcf_slice text, const char *pattern)
         if (wanted == '9' ? !digit : wanted == 'x' ? !am_pm : c != wanted && c != wanted + 32)
             return false;
     }
-    return pattern[text.size] == '\0';
+    return true;
 }
 
 static void check_form(struct dcf_builder *self, struct dcf_section *section, const char *name,

@@ -1,0 +1,32 @@
+/* Pieces of EDS and DCF files. */
+#ifndef TEST_SUPPORT_DCF_FILE_H
+#define TEST_SUPPORT_DCF_FILE_H
+
+/* A file without anything to say about; what it has besides begins at line 46. */
+#define FILE_INFO                                                                                  \
+    "[FileInfo]\nFileName=a.eds\nFileVersion=1\nFileRevision=0\nEDSVersion=4.0\n"                  \
+    "ModificationTime=09:45AM\nModificationDate=05-15-2004\n"
+#define DEVICE_INFO "[DeviceInfo]\nVendorName=V\nProductName=P\nBaudRate_500=1\nGranularity=8\n"
+#define LISTS                                                                                      \
+    "[DummyUsage]\nDummy0005=1\n[MandatoryObjects]\nSupportedObjects=3\n1=0x1000\n"                \
+    "2=0x1001\n3=0x1018\n[ManufacturerObjects]\nSupportedObjects=0\n"
+#define OPTIONAL "[OptionalObjects]\nSupportedObjects=0\n"
+#define VAR(name, type, access)                                                                    \
+    "[" name "]\nParameterName=Name\nDataType=" type "\nAccessType=" access "\n"
+#define MANDATORY                                                                                  \
+    VAR("1000", "7", "ro")                                                                         \
+    "DefaultValue=1\n" VAR("1001", "5",                                                            \
+                           "ro") "[1018]\nParameterName=Identity\nObjectType=9\nSubNumber="        \
+                                 "2\n" VAR("1018sub0", "5",                                        \
+                                           "const") "DefaultValue=1\n" VAR("1018sub1", "7", "ro")
+#define LINES(text) FILE_INFO DEVICE_INFO LISTS OPTIONAL MANDATORY text
+#define CLEAN       LINES("")
+
+/* With one manufacturer object, to be described from line 46 on. */
+#define OBJECT(name, text)                                                                         \
+    FILE_INFO DEVICE_INFO                                                                          \
+        "[DummyUsage]\n[MandatoryObjects]\nSupportedObjects=3\n1=0x1000\n"                         \
+        "2=0x1001\n3=0x1018\n[ManufacturerObjects]\nSupportedObjects=1\n1=0x" name                 \
+        "\n" OPTIONAL MANDATORY text
+
+#endif

@@ -1,0 +1,319 @@
+/* What the reader says about files: each oddity with its line, and which of them refuse a file. */
+#include "dcf/dcf.h"
+#include "support/dcf_file.h"
+#include "support/messages.h"
+
+#include <check.h>
+#include <stdio.h>
+#include <string.h>
+
+#define U8_OBJECT(rest)     OBJECT("2000", VAR("2000", "5", "rw") rest)
+#define COMMISSIONING(rest) LINES("[DeviceComissioning]\n" rest)
+
+static const struct {
+    const char *name;
+    const char *file;
+    const char *messages;
+} warnings[] = {
+    { "nothing to say", CLEAN, "" },
+    { "sections are missing", "[1000]\n",
+      " warning: a section [FileInfo] expected, it is missing\n"
+      " warning: a section [DeviceInfo] expected, it is missing\n"
+      " warning: a section [DummyUsage] expected, it is missing\n"
+      "1: warning: [1000] DataType: a data type of CiA 301 expected, it is missing: the entry "
+      "cannot be used\n"
+      "1: warning: [1000]: AccessType expected, it is missing: taken as ro\n"
+      "1: warning: ParameterName: a text expected, it is missing or empty (1 such sections)\n"
+      " warning: a section [MandatoryObjects] expected, it is missing\n"
+      " warning: a section [OptionalObjects] expected, it is missing\n"
+      " warning: a section [ManufacturerObjects] expected, it is missing\n"
+      "1: warning: [1000]: its index expected in [MandatoryObjects], it is in no list\n"
+      " warning: an object 1001h expected in every device, it is missing\n"
+      " warning: an object 1018h expected in every device, it is missing\n" },
+    { "file information",
+      "[FileInfo]\nFileName=\nFileVersion=005\nFileRevision=1.0\nEDSVersion=4.04\n"
+      "ModificationTime=9:45\nCreationTime=09:45AM x\nCreationDate=2004-05-15\n"
+      "ModificationDate=05-15-04\nAuthor=me\n" DEVICE_INFO LISTS OPTIONAL MANDATORY,
+      "1: warning: [FileInfo] FileName: a text expected, it is missing or empty\n"
+      "3: warning: [FileInfo] FileVersion: no leading zero expected, there is \"005\": read as a "
+      "decimal number\n"
+      "4: warning: [FileInfo] FileRevision: a number of 0..255 expected, there is \"1.0\": "
+      "ignored\n"
+      "5: warning: [FileInfo] EDSVersion: 3.0 or 4.0 expected, there is \"4.04\"\n"
+      "7: warning: [FileInfo] CreationTime: hh:mm(AM|PM) expected, there is \"09:45AM x\"\n"
+      "8: warning: [FileInfo] CreationDate: mm-dd-yyyy expected, there is \"2004-05-15\"\n"
+      "6: warning: [FileInfo] ModificationTime: hh:mm(AM|PM) expected, there is \"9:45\"\n"
+      "9: warning: [FileInfo] ModificationDate: mm-dd-yyyy expected, there is \"05-15-04\"\n"
+      "10: warning: [FileInfo]: a keyword of CiA 306 for this section expected, there is "
+      "\"Author\": ignored\n" },
+    { "an empty object", U8_OBJECT("DefaultValue=\nParameterValue=\nLowLimit=\nObjFlags=\n"), "" },
+    { "text as a number", U8_OBJECT("DefaultValue=No\n"),
+      "50: warning: [2000] DefaultValue: a number (UNSIGNED8) expected, there is \"No\": "
+      "ignored\n" },
+    { "a default beyond its type", U8_OBJECT("DefaultValue=0x360\n"),
+      "50: warning: [2000] DefaultValue: a number (UNSIGNED8) expected, there is \"0x360\", which "
+      "does not fit the type: ignored\n" },
+    { "a comment behind a number", U8_OBJECT("ParameterValue=3 ; three\n"),
+      "50: warning: [2000] ParameterValue: a number alone expected, there is \"3 ; three\": what "
+      "follows it is ignored\n" },
+    { "a leading zero", U8_OBJECT("DefaultValue=010\n"),
+      "50: warning: [2000] DefaultValue: no leading zero expected, there is \"010\": read as a "
+      "decimal number\n" },
+    { "a suffix", U8_OBJECT("DefaultValue=1LL\n"),
+      "50: warning: [2000] DefaultValue: a number without suffix expected, there is \"1LL\": the "
+      "suffix is ignored\n" },
+    { "quotes", OBJECT("2000", VAR("2000", "9", "rw") "DefaultValue=\"a\"\n"),
+      "50: warning: [2000] DefaultValue: text without quotes expected, there is \"\"a\"\": the "
+      "quotes count as characters\n" },
+    { "text as octets", OBJECT("2000", VAR("2000", "0xA", "rw") "DefaultValue=xyz\n"),
+      "50: warning: [2000] DefaultValue: hexadecimal digits expected, there is \"xyz\": taken as "
+      "text\n" },
+    { "the value of a DOMAIN", OBJECT("2000", VAR("2000", "0xF", "rw") "DefaultValue=0\n"),
+      "50: warning: [2000] DefaultValue: pairs of hexadecimal digits (DOMAIN) expected, there is "
+      "\"0\": ignored\n" },
+    { "bytes of a DOMAIN", OBJECT("2000", VAR("2000", "0xF", "rw") "ParameterValue=0x0102\n"),
+      "50: warning: [2000] ParameterValue: a DownloadFile as value of a DOMAIN expected, there is "
+      "\"0x0102\": taken as bytes\n" },
+    { "an unknown key", U8_OBJECT("Factor=0.1\nUnit=m\n"),
+      "50: warning: [2000]: a keyword of CiA 306 for this section expected, there is \"Factor\": "
+      "ignored\n"
+      "51: warning: [2000]: a keyword of CiA 306 for this section expected, there is \"Unit\": "
+      "ignored\n" },
+    { "an access type with something behind it", OBJECT("2000", VAR("2000", "5", "rw # rw")),
+      "49: warning: [2000] AccessType: rw alone expected, there is \"rw # rw\"\n" },
+    { "an unknown access type", OBJECT("2000", VAR("2000", "5", "r")),
+      "49: warning: [2000] AccessType: ro, wo, rw, rwr, rww or const expected, there is \"r\": "
+      "taken as ro\n" },
+    { "an unknown data type", OBJECT("2000", VAR("2000", "0x40", "rw") "DefaultValue=1\n"),
+      "48: warning: [2000] DataType: a data type of CiA 301 expected, there is 0x40: the entry "
+      "cannot be used\n"
+      "50: warning: [2000] DefaultValue: a data type of CiA 301 (unknown type) expected, there is "
+      "\"1\": ignored\n" },
+    { "unknown flags", U8_OBJECT("ObjFlags=0x10\n"),
+      "50: warning: [2000] ObjFlags: 0..3 expected, there is 10: bits 2 to 31 are ignored\n" },
+    { "a flag that is none", U8_OBJECT("PDOMapping=2\n"),
+      "50: warning: [2000] PDOMapping: a number of 0..1 expected, there is \"2\": ignored\n" },
+    { "a file for a number", U8_OBJECT("DownloadFile=a\n"),
+      "50: warning: [2000] DownloadFile: expected for a DOMAIN only, this is UNSIGNED8: "
+      "ignored\n" },
+    { "limits of another type", U8_OBJECT("LowLimit=-30\nHighLimit=50\nParameterValue=60\n"),
+      "50: warning: [2000] LowLimit: a number (UNSIGNED8) expected, there is \"-30\", which does "
+      "not fit the type: ignored\n" },
+    { "limits in the wrong order", U8_OBJECT("LowLimit=3\nHighLimit=1\nParameterValue=60\n"),
+      "50: warning: 2000h:00: LowLimit up to HighLimit expected, there are 3 and 1: both are "
+      "ignored\n" },
+    { "hexadecimal limits without sign",
+      OBJECT("2000", VAR("2000", "2", "rw") "LowLimit=0x00\nHighLimit=0xFF\nParameterValue=-1\n"),
+      "50: warning: 2000h:00: LowLimit up to HighLimit expected, there are 0 and -1: both are "
+      "ignored\n" },
+    { "a default outside its limits", U8_OBJECT("LowLimit=1\nHighLimit=3\nDefaultValue=4\n"),
+      "52: warning: 2000h:00 DefaultValue: 1 to 3 expected (its limits), there is 4\n" },
+    { "a read-only value outside its limits",
+      OBJECT("2000", VAR("2000", "3", "ro") "LowLimit=-1\nParameterValue=-2\n"),
+      "51: warning: 2000h:00 ParameterValue: -1 to (none) expected (its limits), there is -2\n" },
+    { "a read-only value that is none", OBJECT("2000", VAR("2000", "5", "ro") "ParameterValue=x\n"),
+      "50: warning: [2000] ParameterValue: a number (UNSIGNED8) expected, there is \"x\": "
+      "ignored\n" },
+    { "a name is missing", OBJECT("2000", "[2000]\nParameterName=\nDataType=5\nAccessType=ro\n"),
+      "46: warning: ParameterName: a text expected, it is missing or empty (1 such sections)\n" },
+    { "SubNumber",
+      OBJECT("2000",
+             "[2000]\nParameterName=x\nObjectType=8\nSubNumber=3\n" VAR("2000sub0", "5", "ro")
+                 VAR("2000sub2", "5", "ro") VAR("2000subFF", "7", "ro")),
+      "46: warning: [2000] SubNumber: 2 expected (so many sub-index sections are there), it is "
+      "3\n" },
+    { "no sub-index 0",
+      OBJECT("2000",
+             "[2000]\nParameterName=x\nObjectType=8\nSubNumber=1\n" VAR("2000sub1", "5", "ro")),
+      "46: warning: [2000]: a section [2000sub0] expected, it is missing\n" },
+    { "sub-index 0 of another type",
+      OBJECT("2000", "[2000]\nParameterName=x\nObjectType=8\n"
+                     "SubNumber=1\n" VAR("2000sub0", "6", "ro")),
+      "50: warning: [2000sub0] DataType: UNSIGNED8 expected for sub-index 0, there is "
+      "UNSIGNED16\n" },
+    { "a sub-index that is an array",
+      OBJECT("2000", "[2000]\nParameterName=x\nObjectType=9\nSubNumber=1\n" VAR(
+                         "2000sub0", "5", "ro") "ObjectType=8\n"),
+      "50: warning: [2000sub0] ObjectType: 7 (VAR) expected for a sub-index, there is 8\n" },
+    { "a VAR with sub-indices",
+      OBJECT("2000", "[2000]\nParameterName=x\nSubNumber=1\n" VAR("2000sub0", "5", "ro")),
+      "46: warning: [2000] ObjectType: 8 or 9 (there are sub-indices) expected, there is 7: taken "
+      "as 9\n" },
+    { "an unknown object type", U8_OBJECT("ObjectType=3\n"),
+      "46: warning: [2000] ObjectType: 2, 5, 6, 7, 8 or 9 expected, there is 3: taken as 7\n" },
+    { "sub-indices without object", OBJECT("2000", VAR("2000sub0", "5", "ro")),
+      "46: warning: [2000sub0]: a section [2000] for its object expected, it is missing\n" },
+    { "an array of nothing", OBJECT("2000", "[2000]\nParameterName=x\nObjectType=8\nSubNumber=2\n"),
+      "46: warning: [2000] SubNumber: 0 expected (so many sub-index sections are there), it is "
+      "2\n" },
+    { "compact and not",
+      OBJECT("2000", "[2000]\nParameterName=x\nObjectType=8\nSubNumber=1\nCompactSubObj=3\n" VAR(
+                         "2000sub0", "5", "ro")),
+      "46: warning: [2000] CompactSubObj: 0 expected (there are sub-index sections), it is 3: "
+      "ignored\n" },
+    { "compact with too many",
+      OBJECT("2000", VAR("2000", "5", "ro") "ObjectType=8\nCompactSubObj=255\n"),
+      "46: warning: [2000] CompactSubObj: at most 254 expected, there is 255: taken as 254\n" },
+    { "compact with a value",
+      OBJECT("2000", VAR("2000", "5", "rw") "ObjectType=8\nCompactSubObj=2\nParameterValue=1\n"),
+      "52: warning: [2000] ParameterValue: a section [2000Value] expected for a compact object: "
+      "ignored\n" },
+    { "values of compact objects",
+      OBJECT(
+          "2000",
+          VAR("2000", "5",
+              "rw") "ObjectType=8\nCompactSubObj=2\n[2000Value]\nNrOfEntries=1\n2=1\n3=1\n0x1=1\n"),
+      "56: warning: [2000Value]: a sub-index of 2000h in decimal expected, there is \"0x1\": "
+      "ignored\n"
+      "55: warning: [2000Value]: a sub-index of 2000h in decimal expected, there is \"3\": "
+      "ignored\n"
+      "52: warning: [2000Value] NrOfEntries: 3 expected (so many are there), it is 1\n" },
+    { "an index in no list", LINES(VAR("2000", "5", "ro")),
+      "46: warning: [2000]: its index expected in [ManufacturerObjects], it is in no list\n" },
+    { "indices without section or in the wrong list, and twice",
+      LINES("[OptionalObjects]\n1=0x6000\n2=0x2000\n3=0x1000\n4=none\nFoo=1\n"),
+      "46: warning: [OptionalObjects]: expected once, it is also in line 22: keys of both are "
+      "taken, of the same ones the later\n"
+      "47: warning: [OptionalObjects]: a section [6000] for this index expected, it is missing\n"
+      "48: warning: [OptionalObjects]: 2000h expected in [ManufacturerObjects], it is here\n"
+      "48: warning: [OptionalObjects]: a section [2000] for this index expected, it is missing\n"
+      "49: warning: [OptionalObjects]: 1000h expected once, it is also in line 17\n"
+      "50: warning: [OptionalObjects] 4: an index expected, there is \"none\": ignored\n"
+      "46: warning: [OptionalObjects] SupportedObjects: 4 expected (so many are listed), it is 0\n"
+      "51: warning: [OptionalObjects]: a keyword of CiA 306 for this section expected, there is "
+      "\"Foo\": ignored\n" },
+    { "PDO counts", LINES("[DeviceInfo]\nNrOfRXPDO=1\nNrOfTXPDO=2\n"),
+      "46: warning: [DeviceInfo]: expected once, it is also in line 8: keys of both are taken, of "
+      "the same ones the later\n"
+      " warning: [DeviceInfo] NrOfRXPDO: 0 expected (so many communication parameters are there), "
+      "it is 1\n"
+      " warning: [DeviceInfo] NrOfTXPDO: 0 expected (so many communication parameters are there), "
+      "it is 2\n" },
+    { "no node-ID, no bit rate", COMMISSIONING("NodeID=\n"),
+      "46: warning: [DeviceComissioning] NodeID: 1..127 expected, it is missing or empty\n"
+      "46: warning: [DeviceComissioning] Baudrate: 10, 20, 50, 125, 250, 500, 800 or 1000 "
+      "expected, there is none: not configured\n" },
+    { "a node-ID and bit rate that are not configured", COMMISSIONING("NodeID=0xFF\nBaudrate=0\n"),
+      "47: warning: [DeviceComissioning] NodeID: 1..127 expected, there is \"0xFF\": taken as not "
+      "configured\n"
+      "48: warning: [DeviceComissioning] Baudrate: 10, 20, 50, 125, 250, 500, 800 or 1000 "
+      "expected, there is 0: not configured\n" },
+};
+
+static struct messages messages;
+static struct dcf dcf;
+
+static enum co_err parse(const char *text)
+{
+    messages_init(&messages);
+    return dcf_parse(text, strlen(text), &messages.report, &dcf);
+}
+
+START_TEST(test_warning)
+{
+    ck_assert_msg(parse(warnings[_i].file) == CO_OK, "%s:\n%s", warnings[_i].name, messages.text);
+    ck_assert_msg(strcmp(messages.text, warnings[_i].messages) == 0, "%s:\n%s", warnings[_i].name,
+                  messages.text);
+    dcf_done(&dcf);
+}
+END_TEST
+
+static const struct {
+    const char *name;
+    const char *file;
+    enum dcf_error kind;
+    const char *message;
+} errors[] = {
+    { "a value that is no number", U8_OBJECT("ParameterValue=abc\n"), DCF_ERROR_WRONG_PARAMETER,
+      "50: error: [2000] ParameterValue: a number (UNSIGNED8) expected, there is \"abc\"\n" },
+    { "a value beyond its type", U8_OBJECT("ParameterValue=256\n"), DCF_ERROR_OUT_OF_RANGE,
+      "50: error: [2000] ParameterValue: a number in the range of UNSIGNED8 expected, there is "
+      "\"256\"\n" },
+    { "a value above its limits", U8_OBJECT("LowLimit=1\nHighLimit=3\nParameterValue=4\n"),
+      DCF_ERROR_OUT_OF_LIMITS,
+      "52: error: 2000h:00 ParameterValue: 1 to 3 expected (its limits), there is 4\n" },
+    { "a value below its limits",
+      OBJECT("2000", VAR("2000", "4", "rw") "LowLimit=-5\nHighLimit=0xFFFFFFFE\n"
+                                            "ParameterValue=-6\n"),
+      DCF_ERROR_OUT_OF_LIMITS,
+      "52: error: 2000h:00 ParameterValue: -5 to -2 expected (its limits), there is -6\n" },
+    { "a fraction outside its limits",
+      OBJECT("2000", VAR("2000", "8", "rw") "LowLimit=0.5\nHighLimit=1e3\nParameterValue=0.25\n"),
+      DCF_ERROR_OUT_OF_LIMITS,
+      "52: error: 2000h:00 ParameterValue: 0.5 to 1000 expected (its limits), there is 0.25\n" },
+    { "64 bits above their limit",
+      OBJECT("2000", VAR("2000", "0x1B", "rw") "HighLimit=0x7FFFFFFFFFFFFFFF\n"
+                                               "ParameterValue=0x8000000000000000\n"),
+      DCF_ERROR_OUT_OF_LIMITS,
+      "51: error: 2000h:00 ParameterValue: (none) to 9223372036854775807 expected (its limits), "
+      "there is 9223372036854775808\n" },
+    { "a value of no type", OBJECT("2000", VAR("2000", "0x40", "rw") "ParameterValue=1\n"),
+      DCF_ERROR_WRONG_PARAMETER,
+      "48: warning: [2000] DataType: a data type of CiA 301 expected, there is 0x40: the entry "
+      "cannot be used\n"
+      "50: error: [2000] ParameterValue: a data type of CiA 301 (unknown type) expected, there is "
+      "\"1\"\n" },
+    { "a value of a compact object",
+      OBJECT("2000", VAR("2000", "5", "rw") "ObjectType=8\nCompactSubObj=2\nHighLimit=9\n"
+                                            "[2000Value]\nNrOfEntries=1\n2=10\n"),
+      DCF_ERROR_OUT_OF_LIMITS,
+      "55: error: 2000h:02 ParameterValue: (none) to 9 expected (its limits), there is 10\n" },
+    { "a node-ID that is too high", COMMISSIONING("NodeID=128\nBaudrate=500\n"),
+      DCF_ERROR_WRONG_NODE_ID,
+      "47: error: [DeviceComissioning] NodeID: 1..127 expected, there is \"128\"\n" },
+    { "a node-ID that is no number", COMMISSIONING("NodeID=five\nBaudrate=500\n"),
+      DCF_ERROR_WRONG_NODE_ID,
+      "47: error: [DeviceComissioning] NodeID: 1..127 expected, there is \"five\"\n" },
+    { "a bit rate of no CANopen network", COMMISSIONING("NodeID=5\nBaudrate=333\n"),
+      DCF_ERROR_WRONG_BAUDRATE,
+      "48: error: [DeviceComissioning] Baudrate: 10, 20, 50, 125, 250, 500, 800 or 1000 expected, "
+      "there is \"333\"\n" },
+    { "a formula that leaves its type",
+      OBJECT("2000", VAR("2000", "5", "rw") "ParameterValue=$NODEID+250\n"
+                                            "[DeviceComissioning]\nNodeID=6\nBaudrate=500\n"),
+      DCF_ERROR_OUT_OF_RANGE,
+      "50: error: 2000h:00: a value of UNSIGNED8 expected, with node-ID 6 this is too large\n" },
+    { "a module that is not there",
+      LINES("[SupportedModules]\nNrOfEntries=2\n[ConnectedModules]\nNrOfEntries=2\n1=2\n2=3\n"),
+      DCF_ERROR_WRONG_MODULE_NO,
+      "51: error: [ConnectedModules] 2: a module of 1..2 expected, there is \"3\"\n" },
+    { "all errors are told, the kind is the first one's",
+      U8_OBJECT("ParameterValue=256\n[DeviceComissioning]\nNodeID=200\nBaudrate=500\n"),
+      DCF_ERROR_WRONG_NODE_ID,
+      "52: error: [DeviceComissioning] NodeID: 1..127 expected, there is \"200\"\n"
+      "50: error: [2000] ParameterValue: a number in the range of UNSIGNED8 expected, there is "
+      "\"256\"\n" },
+};
+
+START_TEST(test_error)
+{
+    ck_assert_int_eq(parse(errors[_i].file), CO_ERR_FORMAT);
+    ck_assert_msg(strcmp(messages.text, errors[_i].message) == 0, "%s:\n%s", errors[_i].name,
+                  messages.text);
+    ck_assert_int_eq(messages.report.error_kind, errors[_i].kind);
+    ck_assert_uint_eq(dcf.count, 0);
+    ck_assert_ptr_null(dcf.entries);
+}
+END_TEST
+
+static Suite *messages_suite(void)
+{
+    Suite *suite = suite_create("dcf_messages");
+    TCase *tests = tcase_create("dcf_messages");
+
+    tcase_add_loop_test(tests, test_warning, 0, sizeof warnings / sizeof warnings[0]);
+    tcase_add_loop_test(tests, test_error, 0, sizeof errors / sizeof errors[0]);
+    suite_add_tcase(suite, tests);
+    return suite;
+}
+
+int main(void)
+{
+    SRunner *runner = srunner_create(messages_suite());
+    int failed;
+
+    srunner_run_all(runner, CK_NORMAL);
+    failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed != 0;
+}

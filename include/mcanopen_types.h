@@ -17,6 +17,12 @@
 #define MCANOPEN_INLINE static inline
 #endif
 
+#ifdef __cplusplus
+#define MCANOPEN_CAST(type, value) static_cast<type>(value)
+#else
+#define MCANOPEN_CAST(type, value) ((type)(value))
+#endif
+
 /*
  * Short names of the integer types. Define MCANOPEN_NO_SHORT_TYPES before the first of the headers
  * where another library brings the same names with other meanings.

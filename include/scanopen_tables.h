@@ -128,12 +128,6 @@ typedef struct {
 
 /* what the macros above are made of, not for use by itself ------------------------------------- */
 
-#ifdef __cplusplus
-#define CANOPEN_CAST_(type, value) static_cast<type>(value)
-#else
-#define CANOPEN_CAST_(type, value) ((type)(value))
-#endif
-
 /* Writes the descriptor for all of a record, sub-index 0 included, to ret_types. */
 MCANOPEN_INLINE int canopen_describe_record_(const char *types, unsigned short count,
                                              char ret_types[256])
@@ -165,7 +159,7 @@ MCANOPEN_INLINE int canopen_extend_record_(HNODE node, unsigned short index, uns
         result = canOpenExtendDictionary(node, index, count, OBJ_RECORD, all);
     if (result != SCANOPEN_OK)
         return result;
-    number.uint8.val = number.uint8.defval = CANOPEN_CAST_(uint8_t, count);
+    number.uint8.val = number.uint8.defval = MCANOPEN_CAST(uint8_t, count);
     number.uint8.minval = number.uint8.maxval = 0;
     return canOpenInitDictionary(node, index, 0, NULL, READ_ACCESS, &number, NULL);
 }
@@ -185,7 +179,7 @@ MCANOPEN_INLINE int canopen_declare_object_(HNODE node, const _COS_DICT_ENTRY *e
                                  entry->DataType);
 
     for (; result == SCANOPEN_OK && sub <= entry->Subindex; sub++)
-        result = canOpenInitDictionary(node, entry->Index, CANOPEN_CAST_(unsigned short, sub),
+        result = canOpenInitDictionary(node, entry->Index, MCANOPEN_CAST(unsigned short, sub),
                                        entry->EntryName, entry->Flags, entry->Data, entry->Handler);
     return result;
 }
@@ -197,7 +191,7 @@ MCANOPEN_INLINE int canopen_declare_object_ts_(HNODE node, const _COS_DICT_ENTRY
                                  entry->DataType);
 
     for (; result == SCANOPEN_OK && sub <= entry->Subindex; sub++)
-        result = canOpenInitDictionaryTs(node, entry->Index, CANOPEN_CAST_(unsigned short, sub),
+        result = canOpenInitDictionaryTs(node, entry->Index, MCANOPEN_CAST(unsigned short, sub),
                                          entry->EntryName, entry->Flags, entry->Data,
                                          entry->Handler);
     return result;
@@ -211,9 +205,9 @@ MCANOPEN_INLINE int canopen_declare_dictionary_(HNODE node, const void *table, s
 
     for (i = 0; result == SCANOPEN_OK && i < count; i++)
         result = with_time ? canopen_declare_object_ts_(
-                                 node, CANOPEN_CAST_(const _COS_DICT_ENTRY_TS *, table) + i)
+                                 node, MCANOPEN_CAST(const _COS_DICT_ENTRY_TS *, table) + i)
                            : canopen_declare_object_(
-                                 node, CANOPEN_CAST_(const _COS_DICT_ENTRY *, table) + i);
+                                 node, MCANOPEN_CAST(const _COS_DICT_ENTRY *, table) + i);
     return result;
 }
 
@@ -233,7 +227,8 @@ MCANOPEN_INLINE int canopen_declare_pdos_(HNODE node, _COS_PDO_ENTRY *table, siz
  * The manual prints descriptors as arrays of pointers, const char *d[] = {TYP_INT32, 0}, which C
  * compilers take with a warning: the "pointers" are type codes. C11 programs may go on using them.
  */
-#if !defined(__cplusplus) && defined(__STDC_VERSION__) && __STDC_VERSION__ >= 201112L
+#if !defined(__cplusplus) && !defined(canOpenExtendDictionary) && defined(__STDC_VERSION__) &&     \
+    __STDC_VERSION__ >= 201112L
 MCANOPEN_INLINE int canopen_extend_by_pointers_(HNODE node, unsigned short index,
                                                 unsigned short count, unsigned short object,
                                                 const void *pointers)

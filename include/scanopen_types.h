@@ -213,8 +213,9 @@ typedef int (*PFN_COS_EVENT_HANDLER_OLD)(int NetAndNode, int Event, int Arg1, in
 #define DEFAULT_PRODUCER_HEARTBEAT_TIME 0
 
 /* Entries of pulListCHBT in the format of 1016h: node-ID 1..127, time 1..65535 ms. */
-#define CHBT_ENTRY(Node, Time) (((unsigned long)(Node) << 16) | ((unsigned long)(Time)&0xFFFFUL))
-#define END_OF_CHBT_LIST       0xFFFFFFFFUL
+#define CHBT_ENTRY(Node, Time)                                                                     \
+    (MCANOPEN_CAST(unsigned long, Node) << 16 | (MCANOPEN_CAST(unsigned long, Time) & 0xFFFFUL))
+#define END_OF_CHBT_LIST 0xFFFFFFFFUL
 
 /* What a serious error does to the NMT state (1029h:01). */
 #define ERROR_BEHAVIOUR_DEFAULT   0 /* operational becomes pre-operational */

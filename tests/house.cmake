@@ -15,6 +15,8 @@ house_check(check_budgets)
 house_check(check_exports
     ${PROJECT_SOURCE_DIR}/src/api/mcanopen.map
     $<TARGET_FILE:mcanopen> ${PROJECT_BINARY_DIR}/libmcanopen.a)
+house_check(check_prototypes
+    ${PROJECT_SOURCE_DIR}/src/api/mcanopen.map ${PROJECT_SOURCE_DIR}/include)
 
 # An application of the static library that has functions named like internal ones.
 add_executable(static_link static_link.c)

@@ -145,8 +145,8 @@ prepare_venv()
 
 build_preset()
 {
-    cmake --preset "$1" "-DMCANOPEN_WERROR=$werror" && cmake --build "$build/$1" -j "$jobs" &&
-        echo "0 passed, 0 failed"
+    cmake --preset "$1" "-DMCANOPEN_WERROR=$werror" &&
+        cmake --build "$build/$1" -j "$jobs" -- -k 0 && echo "0 passed, 0 failed"
 }
 
 # test_preset PRESET CTEST_OPTION...: build and ctest; the last line has the number of test cases

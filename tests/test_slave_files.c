@@ -147,7 +147,7 @@ static uint32_t number(uint16_t index, uint8_t sub)
     const struct co_event event = read_entry(index, sub);
 
     ck_assert_uint_eq(event.detail, SDO_OUTCOME_OK);
-    return (uint32_t)get_le(buffer, event.actual);
+    return (uint32_t)get_le(buffer, (size_t)event.actual);
 }
 
 /* Writes that the device refuses, of those the file's parameter values need. */

@@ -22,7 +22,7 @@ static enum co_err read_stream(FILE *stream, char **text, size_t *size)
     size_t room = 0;
 
     *size = 0;
-    while (!feof(stream)) {
+    do {
         if (*size + 1 >= room) {
             char *grown = realloc(*text, room = room ? 2 * room : 65536);
 
@@ -35,7 +35,7 @@ static enum co_err read_stream(FILE *stream, char **text, size_t *size)
             return CO_ERR_IO;
         if (*size > FILE_SIZE_MAX)
             return CO_ERR_VALUE;
-    }
+    } while (!feof(stream));
     (*text)[*size] = '\0';
     return CO_OK;
 }

@@ -78,7 +78,7 @@ static int read_into(const struct call *call, uint8_t *own, void *buffer, int *l
     int result = run(call, &request, READ_TIMEOUT);
 
     if (result == MCANOPEN_OK) {
-        memcpy(buffer, own, request.result.actual);
+        memcpy(buffer, own, (size_t)request.result.actual);
         *len = (int)request.result.actual;
     } else if (result == MCAL_BUFFER_OVERFLOW && request.result.actual > 0 &&
                request.result.actual <= INT_MAX) {

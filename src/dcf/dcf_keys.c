@@ -17,7 +17,7 @@ void dcf_error_add(struct co_report *report, enum dcf_error kind, unsigned line,
     vsnprintf(text, sizeof text, format, args);
     va_end(args);
     co_report_add(report, CO_ERROR, line, "%s", text);
-    co_report_kind(report, kind);
+    co_report_kind(report, (int)kind);
 }
 
 static const struct {

@@ -1,5 +1,6 @@
 #include "dcf/dcf_slice.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -136,6 +137,6 @@ struct dcf_shown dcf_show(struct dcf_slice self)
 
         shown.text[i] = c < 0x20 || c == 0x7F ? '?' : (char)c;
     }
-    strcpy(shown.text + size, size < self.size ? "..." : "");
+    snprintf(shown.text + size, sizeof shown.text - size, "%s", size < self.size ? "..." : "");
     return shown;
 }

@@ -113,7 +113,7 @@ void client_bench_describe(struct client_bench *self, const struct co_event *eve
     snprintf(text, size, "%s %08X %u", outcomes[event->detail], event->code,
              (unsigned)event->actual);
     if (event->detail == SDO_OUTCOME_OK && !self->transfer.download) {
-        hex_format(self->buffer, event->actual, data, sizeof data);
+        hex_format(self->buffer, (size_t)event->actual, data, sizeof data);
         snprintf(text + strlen(text), size - strlen(text), " %s", data);
     }
 }

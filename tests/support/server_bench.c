@@ -140,7 +140,7 @@ static void describe(void *machine, const struct co_event *event, char *text, si
     ck_assert_uint_eq(event->type, PROTO_SDO_WRITE);
     ck_assert_uint_eq(event->code, self->server.number);
     self->writing = event->code;
-    hex_format(sdo_server_value(&self->server), event->actual, data, sizeof data);
+    hex_format(sdo_server_value(&self->server), (size_t)event->actual, data, sizeof data);
     snprintf(text, size, "write %04X:%02X %s", event->index, event->sub, data);
 }
 

@@ -102,14 +102,21 @@ static bool is_up(const struct boot *self)
     return true;
 }
 
+/* A mandatory node is missing for good, or with 'all' any one, and every node has had its try. */
 static bool manager_has_failed(const struct manager *manager, bool all)
 {
+    bool failed = false;
+
     if (manager->state == NETWORK_HALTED)
         return true;
-    for (size_t i = 0; all && i < manager->config->node_count; i++)
-        if (manager->nodes[manager->config->nodes[i].node_id].step == BOOT_FAILED)
-            return true;
-    return false;
+    for (size_t i = 0; i < manager->config->node_count; i++) {
+        const struct boot_node *node = &manager->nodes[manager->config->nodes[i].node_id];
+
+        if (boot_node_is_booted_by_master(node) && !node->tried)
+            return false;
+        failed |= node->step == BOOT_FAILED;
+    }
+    return all && failed;
 }
 
 /* It will not come up by itself. */

@@ -43,7 +43,8 @@ def main(arguments):
         print(__doc__.strip())
         return 2
     map_text = pathlib.Path(arguments[0]).read_text(encoding="utf-8")
-    headers = {p.name: p.read_text(encoding="utf-8") for p in pathlib.Path(arguments[1]).glob("*.h")}
+    paths = pathlib.Path(arguments[1]).glob("*.h")
+    headers = {path.name: path.read_text(encoding="utf-8") for path in paths}
     findings, count = check(map_text, headers)
     for finding in findings:
         print(finding)

@@ -1,8 +1,8 @@
 """How deep the blocks of a function lie in each other, for C and for Python.
 
 An "else if" is no deeper than its "if", nor an "elif"; a macro that ends in a statement or a block,
-like FOR_EACH(...), is a loop. (lizard counts chains of else as depth, and the blocks of all
-functions of a Python file as one.)
+like FOR_EACH(...), is a loop; BEGIN_x(...) to END_x() is a declaration. (lizard counts chains of
+else as depth, and the blocks of all functions of a Python file as one.)
 """
 import ast
 import re
@@ -57,6 +57,13 @@ class CFunction:
             branch = self.statement if self.peek() == "if" else self.inner
             branch(depth)
 
+    def table(self):
+        """A declaration: BEGIN_x(...), entries, END_x()"""
+        while self.peek() and not self.peek().startswith("END_"):
+            self.at += 1
+        self.at += 1
+        self.skip_balanced("(", ")")
+
     def simple(self, depth):
         """Up to the semicolon; or a macro that is a loop."""
         if self.is_word() and self.peek(1) == "(":
@@ -84,6 +91,8 @@ class CFunction:
             self.block(depth)
         elif token in CONTROL:
             self.control(depth)
+        elif token.startswith("BEGIN_"):
+            self.table()
         elif token == "do":
             self.at += 1
             self.inner(depth)

@@ -73,6 +73,7 @@ C_NESTING = [
     (3, "for (;;) { while (b) do { c(); } while (d); }"),
     (2, "FOR_EACH(a, b)\n if (c)\n d();"),
     (2, "FOR_EACH(a, b) {\n if (c)\n d();\n}"),
+    (1, "BEGIN_TABLE(A)\n ENTRY(1)\n ENTRY(2)\nEND_TABLE()\nif (a)\n b();"),
     (1, "again:\n if (a) { b = c ? d : e; goto again; }"),
 ]
 

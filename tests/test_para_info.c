@@ -59,7 +59,7 @@ START_TEST(known_messages_are_at_their_numbers)
 }
 END_TEST
 
-/* ---- mcanOpenEventText ------------------------------------------------------------------------ */
+/* ---- mcanOpenEventText --------------------------------------------------------------------- */
 
 /* An event of node 5 on net 1; the value of para follows. */
 #define EVENT(flags, message, ...)                                                                 \

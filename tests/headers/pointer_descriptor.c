@@ -1,6 +1,6 @@
 /*
- * A descriptor as the manual prints it, an array of pointers: C11 programs compile, with the warning
- * that the compiler has for that. It is compiled, not run.
+ * A descriptor as the manual prints it, an array of pointers: C11 programs compile, with the
+ * warning that the compiler has for that. It is compiled, not run.
  */
 #include "scanopen.h"
 

@@ -268,6 +268,7 @@ run_more()
     lane tsan test_preset tsan -LE house
     lane m32 run_m32
     lane valgrind run_valgrind
+    lane example sh tests/system/valgrind_example.sh "$build/debug"
     lane fuzz run_fuzz
     lane release build_preset release
 }

@@ -107,7 +107,8 @@ expect 'ccfread --json' 0 '[[]
 ]' '' "$ccfread" --json text.ccf
 if command -v python3 >/dev/null; then
     "$ccfread" --json device.ccf >json
-    same 'JSON that others read' 6 "$(python3 -c 'import json; print(len(json.load(open("json"))))')"
+    count='import json; print(len(json.load(open("json"))))'
+    same 'JSON that others read' 6 "$(python3 -c "$count")"
 fi
 printf '[1000]\nParameterName=x\nDataType=7\nAccessType=ro\n' >nothing.eds
 expect 'nothing to write' 0 '' '*' "$dcf2ccf" nothing.eds
@@ -145,7 +146,8 @@ expect 'a folder' 2 '' 'dcf2ccf: sub.d: Is a directory' "$dcf2ccf" sub.d
 expect 'no folder for the output' 2 '' '*dcf2ccf: none/a.ccf: No such file or directory' \
     "$dcf2ccf" device.dcf none/a.ccf
 expect 'a folder as output' 2 '' '*dcf2ccf: bad: *' "$dcf2ccf" device.dcf bad
-expect 'the input as output' 2 '' '*dcf2ccf: device.dcf: File exists' "$dcf2ccf" device.dcf device.dcf
+expect 'the input as output' 2 '' '*dcf2ccf: device.dcf: File exists' \
+    "$dcf2ccf" device.dcf device.dcf
 same 'nothing is left behind' 'empty.dcf formula.dcf gone.dcf range.dcf text.dcf up.dcf ' \
     "$(ls bad | tr '\n' ' ')"
 same 'no temporary file' 0 "$(find . -name '*.ccf.*' | wc -l | tr -d ' ')"
@@ -159,7 +161,7 @@ expect 'ccfread of a truncated file' 2 '' \
     "$ccfread" bad.ccf
 expect 'ccfread of no file' 2 '' 'ccfread: none.ccf: not found' "$ccfread" none.ccf
 
-# ---- usage ----------------------------------------------------------------------------------------
+# ---- usage -------------------------------------------------------------------------------------
 
 expect 'dcf2ccf alone' 2 '' 'Usage: dcf2ccf *' "$dcf2ccf"
 expect 'dcf2ccf -h' 0 'Usage: dcf2ccf *' '' "$dcf2ccf" -h

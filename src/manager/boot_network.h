@@ -21,6 +21,14 @@ void boot_network_begin(struct manager *self, enum nmt_command command, co_us_t 
 void boot_network_check(struct manager *self, co_us_t now);
 /* The manager goes operational and starts the slaves that are booted. */
 void boot_network_go(struct manager *self, co_us_t now);
+/* Operational, but starts nobody; goes on with what was lost while all were stopped. */
+void boot_network_operate(struct manager *self, co_us_t now);
+/* Starts the booted slaves, each with a command of its own. */
+void boot_network_start_each(struct manager *self, co_us_t now);
+/* True if a broadcast would start no slave that is not configured. */
+bool boot_network_is_ready(struct manager *self);
+/* NMT stop for all, the manager too. */
+void boot_network_stop(struct manager *self, co_us_t now);
 void boot_network_on_time(struct manager *self, co_us_t now);
 co_us_t boot_network_deadline(const struct manager *self);
 

@@ -4,6 +4,8 @@
 
 #include <string.h>
 
+#define START_FOLLOWED 6u /* of 'unfollowed': it has followed, or never will */
+
 static const uint8_t save_signature[4] = { 's', 'a', 'v', 'e' };
 
 void boot_node_init(struct boot_node *self, uint8_t node, const struct node_config *config)
@@ -18,6 +20,11 @@ void boot_node_init(struct boot_node *self, uint8_t node, const struct node_conf
 bool boot_node_is_booted_by_master(const struct boot_node *self)
 {
     return self->config && self->config->nmt_slave;
+}
+
+enum nmt_command boot_node_reset_command(const struct boot_node *self)
+{
+    return self->config->reset_node ? NMT_RESET_NODE : NMT_RESET_COMMUNICATION;
 }
 
 static void put_event(const struct boot_node *self, struct co_event event, struct co_outbox *out)
@@ -42,80 +49,27 @@ static void enter(struct boot_node *self, enum boot_step step, struct co_outbox 
 
 /* --- how an attempt ends --- */
 
-static bool same_failure(const struct boot_failure *a, const struct boot_failure *b)
-{
-    return a->letter == b->letter && a->step == b->step && a->outcome == b->outcome &&
-           a->index == b->index && a->sub == b->sub && a->abort_code == b->abort_code &&
-           a->actual == b->actual;
-}
-
-static bool is_busy_answer(sdo_abort_t code)
-{
-    return code == SDO_NO_CONNECTION || code == SDO_DEVICE_STATE;
-}
-
-/*
- * No answer, or an answer that says "not now", may be another one next time. A configuration is not
- * repeated in parts: the next attempt starts with a reset of the node.
- */
-static bool is_worth_a_retry(const struct boot_failure *failure)
-{
-    if (failure->outcome == SDO_OUTCOME_NO_ANSWER || failure->outcome == SDO_OUTCOME_NOT_SENT)
-        return true;
-    return failure->letter == 'B' ||
-           (failure->outcome == SDO_OUTCOME_ABORTED && is_busy_answer(failure->abort_code));
-}
-
-static struct co_event failure_event(const struct boot_failure *failure)
-{
-    struct co_event event = { .type = MANAGER_NODE_FAILED,
-                              .detail = (uint8_t)failure->letter,
-                              .index = failure->index,
-                              .sub = failure->sub,
-                              .code = failure->abort_code,
-                              .expected = failure->expected,
-                              .actual = failure->actual };
-
-    event.data[0] = failure->outcome;
-    event.data[1] = failure->step;
-    event.data[2] = failure->size;
-    put_le32(event.data + 4, failure->entry);
-    return event;
-}
-
-struct boot_failure boot_failure_of(const struct co_event *event)
-{
-    return (struct boot_failure){ .letter = (char)event->detail,
-                                  .step = event->data[1],
-                                  .outcome = event->data[0],
-                                  .index = event->index,
-                                  .sub = event->sub,
-                                  .abort_code = event->code,
-                                  .expected = (uint32_t)event->expected,
-                                  .actual = (uint32_t)event->actual,
-                                  .entry = get_le32(event->data + 4),
-                                  .size = event->data[2] };
-}
-
 static void fail(struct boot_node *self, const struct boot_failure *failure, co_us_t now,
                  struct co_outbox *out)
 {
-    bool retry = is_worth_a_retry(failure);
+    bool retry = boot_failure_is_worth_a_retry(failure);
 
     self->failure = *failure;
     self->tried = true;
     self->booted = false;
     self->attempts++;
-    if (failure->letter == 'B')
+    if (failure->letter == 'B') {
         self->nmt_state = NMT_INITIALISING;
-    if (!same_failure(failure, &self->told)) {
+        self->absent = failure->outcome != SDO_OUTCOME_ABORTED;
+    }
+    if (!boot_failure_is_same(failure, &self->told)) {
         self->told = *failure;
-        put_event(self, failure_event(failure), out);
+        put_event(self, boot_failure_event(failure), out);
     }
     self->step = retry ? BOOT_RETRY : BOOT_FAILED;
     self->deadline = retry ? now + BOOT_RETRY_INTERVAL : CO_NEVER;
-    self->reset_due = retry && (failure->step == BOOT_CONFIGURE || failure->step == BOOT_SAVE);
-    self->reset_command = self->config->reset_node ? NMT_RESET_NODE : NMT_RESET_COMMUNICATION;
+    self->reset_due |= failure->step == BOOT_CONFIGURE || failure->step == BOOT_SAVE;
+    self->reset_command = (uint8_t)boot_node_reset_command(self);
 }
 
 static void fail_request(struct boot_node *self, char letter, co_us_t now, struct co_outbox *out)
@@ -143,6 +97,7 @@ static void succeed(struct boot_node *self, struct co_outbox *out)
 {
     self->tried = true;
     self->booted = true;
+    self->reset_repeated = false;
     self->attempts = 0;
     self->failure = (struct boot_failure){ .letter = 0 };
     self->told = self->failure;
@@ -354,10 +309,21 @@ static bool compare(struct boot_node *self, char letter, uint32_t expected, co_u
     return false;
 }
 
+/* Absent when it was reset, and back without a boot-up message: who knows in which state. */
+static bool has_missed_reset(const struct boot_node *self)
+{
+    return self->absent && !self->reset_heard && !self->reset_repeated;
+}
+
 static void on_device_type(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out)
 {
     if (!ok) {
         fail_request(self, 'B', now, out);
+        return;
+    }
+    if (has_missed_reset(self)) {
+        self->reset_repeated = true;
+        boot_node_reset(self, boot_node_reset_command(self), now, out);
         return;
     }
     if (self->nmt_state == NMT_INITIALISING)
@@ -439,6 +405,9 @@ void boot_node_stop(struct boot_node *self)
     self->tried = false;
     self->start_due = false;
     self->reset_due = false;
+    self->reset_heard = false;
+    self->absent = false;
+    self->reset_repeated = false;
     self->request_due = false;
     self->attempts = 0;
     self->nmt_state = NMT_INITIALISING;
@@ -470,6 +439,8 @@ void boot_node_reset(struct boot_node *self, enum nmt_command command, co_us_t n
     self->booted = false;
     self->start_due = false;
     self->request_due = false;
+    self->reset_heard = false;
+    self->absent = false;
     self->last_heartbeat = 0;
     self->nmt_state = NMT_INITIALISING;
     self->reset_command = (uint8_t)command;
@@ -488,8 +459,12 @@ void boot_node_start(struct boot_node *self, co_us_t now, struct co_outbox *out)
 
 void boot_node_commanded(struct boot_node *self, enum nmt_command command)
 {
-    if (self->step != BOOT_READY && self->step != BOOT_STARTED)
+    if (self->step != BOOT_READY && self->step != BOOT_STARTED) {
+        self->reset_due |= command == NMT_STOP; /* no SDO any more: it cannot go on booting */
         return;
+    }
+    self->start_due = false;
+    self->unfollowed = 0;
     self->step = command == NMT_START ? BOOT_STARTED : BOOT_READY;
     self->held = command != NMT_START;
     if (self->heartbeat.period == 0)
@@ -498,9 +473,37 @@ void boot_node_commanded(struct boot_node *self, enum nmt_command command)
 
 /* --- error control --- */
 
+void boot_node_on_boot_up(struct boot_node *self)
+{
+    bool is_watched_only = !boot_node_is_booted_by_master(self) || !self->config->auto_start_slave;
+
+    self->nmt_state = is_watched_only ? NMT_PREOPERATIONAL : NMT_INITIALISING;
+    self->reset_heard = true;
+    self->last_heartbeat = 0;
+}
+
+/* A node that was started and has never followed: the command is repeated, a few times. */
+static void check_followed(struct boot_node *self)
+{
+    if (self->step != BOOT_STARTED || self->unfollowed >= START_FOLLOWED)
+        return;
+    if (self->nmt_state == NMT_OPERATIONAL)
+        self->unfollowed = START_FOLLOWED;
+    else if (++self->unfollowed % 2 == 0) /* the first may have been on its way already */
+        self->start_due = true;
+}
+
+/* It has failed for want of a heartbeat, and here is a steady one. */
+static bool is_steady_at_last(const struct boot_node *self, co_us_t now)
+{
+    return self->step == BOOT_FAILED && self->failure.letter == 'K' && self->last_heartbeat &&
+           now - self->last_heartbeat < self->heartbeat.period;
+}
+
 void boot_node_on_error_control(struct boot_node *self, const struct co_frame *frame, co_us_t now,
                                 struct co_outbox *out)
 {
+    bool is_steady = is_steady_at_last(self, now);
     uint8_t node, state;
 
     if (!nmt_parse_error_control(frame, &node, &state) || state == NMT_INITIALISING)
@@ -508,10 +511,13 @@ void boot_node_on_error_control(struct boot_node *self, const struct co_frame *f
     self->last_heartbeat = now;
     self->last_state = state;
     hb_consumer_on_frame(&self->heartbeat, frame, now, out);
-    if (state == self->nmt_state)
-        return;
-    self->nmt_state = state;
-    put_event(self, (struct co_event){ .type = MANAGER_NODE_STATE, .detail = state }, out);
+    if (state != self->nmt_state) {
+        self->nmt_state = state;
+        put_event(self, (struct co_event){ .type = MANAGER_NODE_STATE, .detail = state }, out);
+    }
+    check_followed(self);
+    if (is_steady)
+        enter_error_control(self, now, out);
 }
 
 void boot_node_on_heartbeat(struct boot_node *self, struct co_outbox *out)

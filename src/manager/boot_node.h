@@ -22,6 +22,7 @@
 #define CO_MANAGER_BOOT_NODE_H
 
 #include "base/outbox.h"
+#include "manager/boot_failure.h"
 #include "manager/event.h"
 #include "manager/network_config.h"
 #include "manager/sdo_channel.h"
@@ -48,19 +49,6 @@ enum boot_step {
     BOOT_FAILED = 11
 };
 
-/* Why the last attempt failed: kept until the node has booted. */
-struct boot_failure {
-    char letter;     /* CiA 302-2 status B..O; 0: none */
-    uint8_t step;    /* enum boot_step */
-    uint8_t outcome; /* enum sdo_outcome; SDO_OUTCOME_OK: a value that differs, or no heartbeat */
-    uint16_t index;
-    uint8_t sub;
-    sdo_abort_t abort_code;
-    uint32_t expected, actual;
-    uint32_t entry; /* step CONFIGURE: number of the entry, from 1 */
-    uint8_t size;   /* ... its bytes (255: more); expected has the value of up to 4 */
-};
-
 struct boot_node {
     const struct node_config *config; /* NULL: not in the configuration */
     uint8_t step;                     /* enum boot_step */
@@ -68,9 +56,13 @@ struct boot_node {
     bool tried;        /* one attempt has ended, well or not */
     bool booted;       /* the last attempt ended well */
     bool start_due;    /* to be started as soon as there is room */
-    bool reset_due;    /* RESET: the command is still to be sent; RETRY: begins with one */
-    bool lost;         /* silent, and left to the application */
-    bool held;         /* taken out of operation by the application: only it starts the node */
+    bool reset_due;    /* RESET: the command is still to be sent; else the next attempt begins so */
+    bool reset_heard;  /* it has sent a boot-up message since the last reset command ... */
+    bool absent;       /* ... and once did not answer since then */
+    bool reset_repeated; /* because it has missed it; once until it has booted */
+    uint8_t unfollowed;  /* heartbeats that tell another state than the start command asked for */
+    bool lost;           /* silent, and left to the application */
+    bool held;           /* taken out of operation by the application: only it starts the node */
     uint8_t reset_command;
     co_us_t deadline;
     unsigned attempts; /* since it was last booted */
@@ -91,13 +83,13 @@ struct boot_node {
 
 void boot_node_init(struct boot_node *self, uint8_t node, const struct node_config *config);
 
-/* What a MANAGER_NODE_FAILED event tells. */
-struct boot_failure boot_failure_of(const struct co_event *event);
-
 /*
  * True for a node that the master boots: in the list (1F81h bit 0) and not left to the application.
  */
 bool boot_node_is_booted_by_master(const struct boot_node *self);
+
+/* What it is reset with, by its configuration. */
+enum nmt_command boot_node_reset_command(const struct boot_node *self);
 
 /* A new attempt from the first read on. The owner has taken its request back before. */
 void boot_node_begin(struct boot_node *self, co_us_t now, struct co_outbox *out);
@@ -106,11 +98,13 @@ void boot_node_reset(struct boot_node *self, enum nmt_command command, co_us_t n
                      struct co_outbox *out);
 /* Sends NMT start as soon as there is room; it must be READY or STARTED. */
 void boot_node_start(struct boot_node *self, co_us_t now, struct co_outbox *out);
-/* It was commanded by a broadcast, or directly by the application. */
+/* It was commanded by a broadcast, or directly by the application, or by another master. */
 void boot_node_commanded(struct boot_node *self, enum nmt_command command);
 /* Back to IDLE, no error control: the network starts anew. */
 void boot_node_stop(struct boot_node *self);
 
+/* Its boot-up message: the owner decides what to do about it. */
+void boot_node_on_boot_up(struct boot_node *self);
 void boot_node_on_sdo(struct boot_node *self, co_us_t now, struct co_outbox *out);
 void boot_node_on_error_control(struct boot_node *self, const struct co_frame *frame, co_us_t now,
                                 struct co_outbox *out);

@@ -15,8 +15,7 @@ static void on_boot_up(struct manager *self, uint8_t node_id, co_us_t now)
                                        .actual = node->config != NULL });
     if (!node->config)
         return;
-    node->nmt_state = NMT_INITIALISING;
-    node->last_heartbeat = 0;
+    boot_node_on_boot_up(node);
     if (self->state == NETWORK_OFF || self->state == NETWORK_RESETTING)
         return; /* it will be booted at the end of the boot delay */
     if (!boot_node_is_booted_by_master(node) || !node->config->auto_start_slave)
@@ -50,6 +49,9 @@ void error_control_on_lost(struct manager *self, uint8_t node_id, co_us_t now)
     struct boot_node *node = &self->nodes[node_id];
     enum action_on_error action = self->config->action_on_error;
 
+    if (node->step == BOOT_FAILED) /* not in operation */
+        return;
+
     put_event(self, (struct co_event){ .type = MANAGER_NODE_LOST,
                                        .node = node_id,
                                        .detail = node->nmt_state,
@@ -57,16 +59,12 @@ void error_control_on_lost(struct manager *self, uint8_t node_id, co_us_t now)
     node->nmt_state = NMT_INITIALISING;
     node->lost = true;
     if (node->config->mandatory && action == ACTION_STOP_ALL) {
-        self->state = NETWORK_STOPPED;
-        self->stop_all_due = true;
-        slave_command(&self->device, NMT_STOP, now, &self->inner);
-        boot_network_on_time(self, now);
+        boot_network_stop(self, now);
     } else if (node->config->mandatory && action == ACTION_RESET_ALL) {
         slave_command(&self->device, NMT_RESET_NODE, now, &self->inner);
         boot_network_begin(self, NMT_RESET_NODE, now);
     } else if (node->config->auto_start_slave) {
-        boot_network_reset_node(
-            self, node, node->config->reset_node ? NMT_RESET_NODE : NMT_RESET_COMMUNICATION, now);
+        boot_network_reset_node(self, node, boot_node_reset_command(node), now);
     }
 }
 

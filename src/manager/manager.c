@@ -45,8 +45,8 @@ void manager_done(struct manager *self)
 static void on_sdo_done(struct manager *self, const struct co_event *event, co_us_t now)
 {
     struct boot_node *node = &self->nodes[event->node];
-    struct sdo_request *request =
-        sdo_channel_on_done(&self->channels[event->node], event, now, &self->inner);
+    struct sdo_request *request = sdo_channel_on_done(&self->channels[event->node], event, now,
+                                                      &self->inner);
     struct co_event done = { .type = MANAGER_REQUEST_DONE, .node = event->node };
 
     if (request == &node->request)
@@ -175,8 +175,7 @@ void manager_start(struct manager *self, co_us_t now, struct co_outbox *out)
 {
     slave_start(&self->device, now, &self->inner);
     if (self->config->nmt_master)
-        boot_network_begin(self,
-                           self->config->reset_all ? NMT_RESET_NODE : NMT_RESET_COMMUNICATION,
+        boot_network_begin(self, self->config->reset_all ? NMT_RESET_NODE : NMT_RESET_COMMUNICATION,
                            now);
     else if (self->config->auto_operational)
         slave_command(&self->device, NMT_START, now, &self->inner);
@@ -222,6 +221,20 @@ static enum co_err send_command(struct manager *self, enum nmt_command command, 
     return CO_OK;
 }
 
+/* A broadcast, unless it would start a slave that is not configured. */
+static enum co_err start_all(struct manager *self, co_us_t now)
+{
+    bool is_ready = boot_network_is_ready(self);
+
+    if (self->state != NETWORK_OPERATIONAL)
+        boot_network_operate(self, now);
+    if (is_ready)
+        self->start_all_due = true;
+    else
+        boot_network_start_each(self, now);
+    return CO_OK;
+}
+
 static enum co_err command_all(struct manager *self, enum nmt_command command, co_us_t now)
 {
     enum co_err err;
@@ -230,10 +243,8 @@ static enum co_err command_all(struct manager *self, enum nmt_command command, c
         return command_self(self, command, now);
     if (is_booting(self))
         return CO_ERR_STATE;
-    if (command == NMT_START && self->state != NETWORK_OPERATIONAL) {
-        self->state = NETWORK_OPERATIONAL;
-        slave_command(&self->device, NMT_START, now, &self->inner);
-    }
+    if (command == NMT_START)
+        return start_all(self, now);
     err = send_command(self, command, NMT_ALL_NODES);
     if (err == CO_OK)
         FOR_EACH_NODE(self, node)
@@ -270,12 +281,24 @@ static enum co_err command_node(struct manager *self, enum nmt_command command,
     return err;
 }
 
+/* Where another master commands, only its own state is the application's. */
+static enum co_err command_device(struct manager *self, enum nmt_command command, uint8_t node,
+                                  co_us_t now)
+{
+    if (node != self->config->manager_node_id)
+        return CO_ERR_STATE;
+    slave_command(&self->device, command, now, &self->inner);
+    return CO_OK;
+}
+
 enum co_err manager_command(struct manager *self, enum nmt_command command, uint8_t node,
                             co_us_t now, struct co_outbox *out)
 {
     enum co_err err;
 
-    if (node == self->config->manager_node_id)
+    if (!self->config->nmt_master)
+        err = command_device(self, command, node, now);
+    else if (node == self->config->manager_node_id)
         err = command_self(self, command, now);
     else if (node == NMT_ALL_NODES)
         err = command_all(self, command, now);

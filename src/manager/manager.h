@@ -56,8 +56,7 @@ struct manager {
     uint8_t reset_command;
     co_us_t deadline;       /* RESETTING: end of the boot delay */
     co_us_t boot_limit;     /* BOOTING: end of Boot_Time, CO_NEVER: none */
-    co_us_t reminder;   /* BOOTING: when to tell again who is missing */
-    co_us_t reminder_interval;
+    bool time_over;         /* ... that has passed */
     struct co_outbox inner; /* of the machines inside */
     struct co_frame inner_frames[MANAGER_INNER_FRAMES];
     struct co_event inner_events[MANAGER_INNER_EVENTS];

@@ -1,0 +1,35 @@
+/*
+ * Why the boot of a node has failed, and what follows from it.
+ *
+ *   in   the failure
+ *   out  the event that tells it, and back; whether another attempt may end otherwise
+ */
+#ifndef CO_MANAGER_BOOT_FAILURE_H
+#define CO_MANAGER_BOOT_FAILURE_H
+
+#include "base/outbox.h"
+#include "od/abort.h"
+
+/* Why the last attempt failed: kept until the node has booted. */
+struct boot_failure {
+    char letter;     /* CiA 302-2 status B..O; 0: none */
+    uint8_t step;    /* enum boot_step */
+    uint8_t outcome; /* enum sdo_outcome; SDO_OUTCOME_OK: a value that differs, or no heartbeat */
+    uint16_t index;
+    uint8_t sub;
+    sdo_abort_t abort_code;
+    uint32_t expected, actual;
+    uint32_t entry; /* step CONFIGURE: number of the entry, from 1 */
+    uint8_t size;   /* ... its bytes (255: more); expected has the value of up to 4 */
+};
+
+bool boot_failure_is_same(const struct boot_failure *a, const struct boot_failure *b);
+/* No: the node has failed for good, until its next boot-up message. */
+bool boot_failure_is_worth_a_retry(const struct boot_failure *self);
+
+/* MANAGER_NODE_FAILED, without the node. */
+struct co_event boot_failure_event(const struct boot_failure *self);
+/* What such an event tells. */
+struct boot_failure boot_failure_of(const struct co_event *event);
+
+#endif

@@ -55,13 +55,19 @@ static void take_events(struct sim *self, struct sim_device *device)
             self->on_event(self->context, &event);
 }
 
-void sim_power(struct sim *self, struct sim_device *device, bool on)
+static void lose_frames(struct sim_device *device)
 {
     struct co_frame frame;
 
-    device->active = on;
-    while (!on && co_outbox_take_frame(&device->box, &frame))
+    while (co_outbox_take_frame(&device->box, &frame))
         ;
+}
+
+void sim_power(struct sim *self, struct sim_device *device, bool on)
+{
+    device->active = on;
+    if (!on)
+        lose_frames(device);
     if (on && device->manager)
         manager_start(device->manager, self->now, &device->box);
     else if (on)
@@ -93,7 +99,7 @@ static void deliver(struct sim *self, const struct co_frame *frame, int sender)
         struct sim_device *device = &self->devices[i];
         struct co_frame copy = *frame;
 
-        if (!device->active)
+        if (!device->active || device->unplugged)
             continue;
         copy.flags = (uint8_t)(copy.flags & ~CO_FRAME_OWN);
         if (i == sender)
@@ -151,6 +157,8 @@ static void begin_frame(struct sim *self)
     int winner = -1;
 
     for (int i = 0; i < (int)self->device_count; i++) {
+        if (self->devices[i].unplugged)
+            lose_frames(&self->devices[i]);
         if (!wants_to_send(self, &self->devices[i]))
             continue;
         if (winner < 0 || next_id(&self->devices[i]) < next_id(&self->devices[winner]))

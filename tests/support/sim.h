@@ -25,6 +25,7 @@ enum sim_fate {
 
 struct sim_device {
     bool active;         /* powered; others neither send nor receive */
+    bool unplugged;      /* it runs, but hears nothing, and what it sends is lost */
     struct slave *slave; /* neither this nor a manager: speaks for sim_say() */
     struct manager *manager;
     uint8_t node;

@@ -240,14 +240,40 @@ run_valgrind()
             fi
         done
     done <tests/valgrind.list
+    if valgrind_example; then
+        good=$((good + 1))
+    else
+        echo "failed: examples/boot-network"
+        bad=$((bad + 1))
+    fi
     echo "$good passed, $bad failed"
     [ "$bad" -eq 0 ]
 }
 
 valgrind_one()
 {
-    CK_FORK=no valgrind -q --error-exitcode=99 --leak-check=full \
+    CK_FORK=no CK_TIMEOUT_MULTIPLIER=10 valgrind -q --error-exitcode=99 --leak-check=full \
         --errors-for-leak-kinds=definite,possible "$@"
+}
+
+# The example boots a simulated plant, on a virtual bus of this test's own.
+valgrind_example()
+{
+    network=examples/boot-network/network.xml
+    MCANOPEN_NET_0=virtual:valgrind-$$
+    export MCANOPEN_NET_0
+    "$build/debug/tools/mcanopen" sim --bus "$MCANOPEN_NET_0" "$network" >"$logs/sim.log" 2>&1 &
+    plant=$!
+    tries=0
+    until grep -q "simulated devices on" "$logs/sim.log" || [ $tries -eq 100 ]; do
+        tries=$((tries + 1))
+        sleep 0.1
+    done
+    timeout 120 valgrind -q --error-exitcode=99 --leak-check=full \
+        --errors-for-leak-kinds=definite,possible "$build/debug/examples/boot-network" "$network"
+    status=$?
+    kill $plant
+    return $status
 }
 
 # ---- which lanes ---------------------------------------------------------------------------------
@@ -268,6 +294,7 @@ run_more()
     lane tsan test_preset tsan -LE house
     lane m32 run_m32
     lane valgrind run_valgrind
+    lane example sh tests/system/valgrind_example.sh "$build/debug"
     lane fuzz run_fuzz
     lane release build_preset release
 }

@@ -130,6 +130,12 @@ static const struct make makes[] = {
       "1400:01 05020000\n",
       "12: warning: 1600h:00 ParameterValue: the number of mapped objects expected, it is "
       "missing: taken as 2\n" },
+    { "a compact mapping, which has no value for that number",
+      RPDO(D("0x205")) U32("1600", "ObjectType=8\nCompactSubObj=4\n[1600Value]\n1=0x62000108\n"
+                                   "2=0x62000208\n"),
+      "1400:01 05020080\n1600:00 00\n1600:01 08010062\n1600:02 08020062\n1600:00 02\n"
+      "1400:01 05020000\n",
+      "" },
     { "one of two default mappings changed",
       RPDO(D("0x205")) MAPPING(D("2"), P("0x20000108"), D("0x62000208")),
       "1400:01 05020080\n1600:00 00\n1600:01 08010020\n1600:00 02\n1400:01 05020000\n",

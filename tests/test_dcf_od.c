@@ -132,6 +132,18 @@ START_TEST(test_dictionary_not_empty)
 }
 END_TEST
 
+START_TEST(test_many_domains)
+{
+    uint32_t total = 0;
+
+    ck_assert_int_eq(make(VAR("2000", "0xF", "rw") "ObjectType=8\nCompactSubObj=254\n", 5), CO_OK);
+    for (size_t i = 0; i < od.count; i++)
+        total += od.entries[i]->capacity;
+    ck_assert_uint_eq(total, 64 * 65536 + (254 - 64) * 64 + 1);
+    done();
+}
+END_TEST
+
 static Suite *dcf_od_suite(void)
 {
     Suite *suite = suite_create("dcf_od");
@@ -142,6 +154,7 @@ static Suite *dcf_od_suite(void)
     tcase_add_test(tests, test_highest_sub);
     tcase_add_test(tests, test_unknown_type);
     tcase_add_test(tests, test_dictionary_not_empty);
+    tcase_add_test(tests, test_many_domains);
     suite_add_tcase(suite, tests);
     return suite;
 }

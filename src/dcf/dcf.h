@@ -102,7 +102,8 @@ uint32_t dcf_value(const struct dcf_value *value, uint8_t node_id, uint8_t *byte
 
 /*
  * Fills an empty dictionary with all entries and their DefaultValues; those without one are 0 or
- * empty, but a sub-index 0 tells the highest sub-index. CO_ERR_MEMORY, CO_ERR_VALUE
+ * empty, but a sub-index 0 tells the highest sub-index. There is room for strings of 64 bytes and,
+ * in the first 64 of them, domains of 64 KiB. CO_ERR_MEMORY, CO_ERR_VALUE
  */
 enum co_err dcf_make_od(const struct dcf *self, uint8_t node_id, struct co_report *report,
                         struct od *od);

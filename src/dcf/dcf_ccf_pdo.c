@@ -68,6 +68,14 @@ static unsigned guess_count(const struct dcf_maker *self, uint16_t index)
     return mapped;
 }
 
+/* Of a compact object, whose values the file gives without that of sub-index 0. */
+static bool is_compact(const struct dcf_maker *self, const struct dcf_entry *entry)
+{
+    const struct dcf_entry *first = entry ? dcf_find(self->dcf, entry->index, 1) : NULL;
+
+    return first && first->line == entry->line;
+}
+
 static unsigned find_count(const struct dcf_maker *self, uint16_t index)
 {
     const struct dcf_entry *entry = dcf_find(self->dcf, index, 0);
@@ -76,10 +84,12 @@ static unsigned find_count(const struct dcf_maker *self, uint16_t index)
     if (entry && entry->parameter.given)
         return entry->parameter.bytes[0];
     count = guess_count(self, index);
-    co_report_add(self->report, CO_WARNING, entry ? entry->line : 0,
-                  "%04Xh:00 ParameterValue: the number of mapped objects expected, it is missing: "
-                  "taken as %u",
-                  index, count);
+    if (!is_compact(self, entry))
+        co_report_add(
+            self->report, CO_WARNING, entry ? entry->line : 0,
+            "%04Xh:00 ParameterValue: the number of mapped objects expected, it is missing: "
+            "taken as %u",
+            index, count);
     return count;
 }
 

@@ -3,15 +3,27 @@
 
 #include <stdlib.h>
 
-#define STRING_ROOM 64u    /* for strings that may be written */
-#define DOMAIN_ROOM 65536u /* the file does not tell how much a domain holds */
+#define STRING_ROOM   64u                 /* for strings, which may be written */
+#define DOMAIN_ROOM   65536u              /* the file does not tell how much a domain holds */
+#define DOMAINS_TOTAL (64u * DOMAIN_ROOM) /* a file of many domains must not take all memory */
 
-static uint32_t capacity_of(const struct dcf_entry *entry, uint32_t size)
+struct od_maker {
+    const struct dcf *dcf;
+    struct od *od;
+    uint8_t node_id;
+    uint32_t domains_left; /* bytes for further domains */
+};
+
+static uint32_t capacity_of(struct od_maker *self, const struct dcf_entry *entry, uint32_t size)
 {
-    uint32_t room = entry->type == OD_DOMAIN ? DOMAIN_ROOM : STRING_ROOM;
+    uint32_t room = STRING_ROOM;
 
     if (od_type_size(entry->type) != 0)
         return 0;
+    if (entry->type == OD_DOMAIN && self->domains_left >= DOMAIN_ROOM) {
+        self->domains_left -= DOMAIN_ROOM;
+        room = DOMAIN_ROOM;
+    }
     return size > room ? size : room;
 }
 
@@ -46,8 +58,9 @@ static void set_limits(const struct dcf_entry *entry, uint8_t node_id, struct od
         spec->high = (int64_t)dcf_value_number(&entry->high, entry->type, node_id);
 }
 
-static enum co_err add_entry(const struct dcf *dcf, size_t place, uint8_t node_id, struct od *od)
+static enum co_err add_entry(struct od_maker *self, size_t place)
 {
+    const struct dcf *dcf = self->dcf;
     const struct dcf_entry *entry = &dcf->entries[place];
     uint8_t highest;
     struct od_spec spec = { .index = entry->index,
@@ -63,16 +76,16 @@ static enum co_err add_entry(const struct dcf *dcf, size_t place, uint8_t node_i
     if (!bytes)
         return CO_ERR_MEMORY;
     if (entry->initial.given) {
-        spec.size = dcf_value(&entry->initial, node_id, bytes);
+        spec.size = dcf_value(&entry->initial, self->node_id, bytes);
         spec.value = bytes;
     } else if (is_count_without_value(dcf, place)) {
         highest = highest_sub(dcf, place);
         spec.size = 1;
         spec.value = &highest;
     }
-    spec.capacity = capacity_of(entry, spec.size);
-    set_limits(entry, node_id, &spec);
-    err = od_add(od, &spec, &added);
+    spec.capacity = capacity_of(self, entry, spec.size);
+    set_limits(entry, self->node_id, &spec);
+    err = od_add(self->od, &spec, &added);
     free(bytes);
     return err;
 }
@@ -80,6 +93,10 @@ static enum co_err add_entry(const struct dcf *dcf, size_t place, uint8_t node_i
 enum co_err dcf_make_od(const struct dcf *self, uint8_t node_id, struct co_report *report,
                         struct od *od)
 {
+    struct od_maker maker = {
+        .dcf = self, .od = od, .node_id = node_id, .domains_left = DOMAINS_TOTAL
+    };
+
     for (size_t i = 0; i < self->count; i++) {
         const struct dcf_entry *entry = &self->entries[i];
         enum co_err err;
@@ -91,7 +108,7 @@ enum co_err dcf_make_od(const struct dcf *self, uint8_t node_id, struct co_repor
                           entry->index, entry->sub);
             continue;
         }
-        err = add_entry(self, i, node_id, od);
+        err = add_entry(&maker, i);
         if (err == CO_ERR_MEMORY)
             return err;
         if (err != CO_OK) {

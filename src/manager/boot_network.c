@@ -1,5 +1,8 @@
 #include "manager/boot_network.h"
 
+#define FIRST_REMINDER CO_MS(5000)
+#define LAST_REMINDER  CO_MS(60000)
+
 static void put_event(struct manager *self, struct co_event event)
 {
     co_outbox_put_event(&self->inner, &event);
@@ -28,7 +31,6 @@ void boot_network_begin(struct manager *self, enum nmt_command command, co_us_t 
     self->reset_command = (uint8_t)command;
     self->reset_due = true;
     self->boot_limit = CO_NEVER;
-    self->time_over = false;
     self->deadline = now;
     boot_network_on_time(self, now);
 }
@@ -39,6 +41,8 @@ static void boot_all(struct manager *self, co_us_t now)
     self->deadline = CO_NEVER;
     if (self->config->boot_time != 0)
         self->boot_limit = now + CO_MS(self->config->boot_time);
+    self->reminder_interval = FIRST_REMINDER;
+    self->reminder = now + FIRST_REMINDER;
     FOR_EACH_NODE(self, node) {
         if (boot_node_is_booted_by_master(node))
             boot_network_reboot(self, node, now);
@@ -145,33 +149,70 @@ void boot_network_go(struct manager *self, co_us_t now)
         boot_network_start_each(self, now);
 }
 
-static void halt(struct manager *self, unsigned missing, bool time_over)
+/* What check_booting() looks for. */
+struct roll_call {
+    unsigned missing;     /* mandatory nodes that have not booted */
+    unsigned in_progress; /* nodes that have not had their first try */
+    uint8_t first;        /* of the missing */
+    bool failed;          /* one of the missing will not be tried again */
+};
+
+static struct roll_call call_roll(struct manager *self)
+{
+    struct roll_call roll = { .missing = 0 };
+
+    FOR_EACH_NODE(self, node) {
+        roll.in_progress += is_in_progress(node);
+        if (!is_missing(node))
+            continue;
+        if (roll.missing++ == 0)
+            roll.first = node->config->node_id;
+        roll.failed |= node->step == BOOT_FAILED;
+    }
+    return roll;
+}
+
+static void halt(struct manager *self, const struct roll_call *roll, bool time_over)
 {
     self->state = NETWORK_HALTED;
     put_event(self, (struct co_event){ .type = MANAGER_HALTED,
-                                       .actual = missing,
+                                       .node = roll->first,
+                                       .actual = roll->missing,
                                        .expected = time_over ? self->config->boot_time : 0 });
+}
+
+/* Who waits for a plant to start wants to know for whom it waits. */
+static void remind(struct manager *self, const struct roll_call *roll, co_us_t now)
+{
+    if (now < self->reminder)
+        return;
+    self->reminder_interval *= 2;
+    if (self->reminder_interval > LAST_REMINDER)
+        self->reminder_interval = LAST_REMINDER;
+    self->reminder = now + self->reminder_interval;
+    if (roll->missing > 0)
+        put_event(self, (struct co_event){ .type = MANAGER_WAITING,
+                                           .node = roll->first,
+                                           .actual = roll->missing });
 }
 
 static void check_booting(struct manager *self, co_us_t now)
 {
-    unsigned missing = 0, in_progress = 0;
-    bool failed = false;
-    self->time_over |= now >= self->boot_limit;
+    struct roll_call roll = call_roll(self);
+    bool time_over = now >= self->boot_limit;
 
-    FOR_EACH_NODE(self, node) {
-        missing += is_missing(node);
-        in_progress += is_in_progress(node);
-        failed |= is_missing(node) && node->step == BOOT_FAILED;
-    }
-    if (missing == 0 && in_progress == 0) {
+    if (roll.missing == 0)
+        self->boot_limit = CO_NEVER; /* kept: the limit is for mandatory nodes */
+    if (roll.missing == 0 && roll.in_progress == 0) {
         if (self->config->auto_operational)
             boot_network_go(self, now);
         else
             self->state = NETWORK_WAITING;
-    } else if (self->state == NETWORK_BOOTING && missing > 0 &&
-               (self->time_over || (failed && in_progress == 0))) {
-        halt(self, missing, self->time_over);
+    } else if (self->state == NETWORK_BOOTING && roll.missing > 0 &&
+               (time_over || (roll.failed && roll.in_progress == 0))) {
+        halt(self, &roll, time_over);
+    } else if (self->state == NETWORK_BOOTING) {
+        remind(self, &roll, now);
     }
 }
 
@@ -275,7 +316,7 @@ co_us_t boot_network_deadline(const struct manager *self)
 {
     if (self->start_all_due || self->stop_all_due)
         return 0;
-    if (self->state == NETWORK_BOOTING && !self->time_over)
-        return self->boot_limit;
+    if (self->state == NETWORK_BOOTING)
+        return co_earlier(self->boot_limit, self->reminder);
     return self->state == NETWORK_RESETTING ? self->deadline : CO_NEVER;
 }

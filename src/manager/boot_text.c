@@ -265,8 +265,23 @@ static void add_command(struct text *text, const struct co_event *event)
         add(text, "\" to node %u", event->node);
 }
 
-static bool add_network_news(struct text *text, const struct co_event *event,
-                             enum co_severity *ret_severity)
+static void add_missing(struct text *text, const struct network_config *config,
+                        const struct co_event *event)
+{
+    const struct node_config *node = network_config_node(config, event->node);
+    const char *name = node && node->name ? node->name : "";
+
+    if (event->actual > 1)
+        add(text, "%u mandatory nodes are missing, among them ", (unsigned)event->actual);
+    else
+        add(text, "mandatory ");
+    add(text, "node %u%s%s%s", event->node, name[0] ? " \"" : "", name, name[0] ? "\"" : "");
+    if (event->actual == 1)
+        add(text, " is missing");
+}
+
+static bool add_network_news(struct text *text, const struct network_config *config,
+                             const struct co_event *event, enum co_severity *ret_severity)
 {
     switch (event->type) {
     case MANAGER_NETWORK_UP:
@@ -274,10 +289,15 @@ static bool add_network_news(struct text *text, const struct co_event *event,
         add(text, "network is up: %u of %u nodes booted", (unsigned)event->actual,
             (unsigned)event->expected);
         return true;
+    case MANAGER_WAITING:
+        *ret_severity = CO_WARNING;
+        add(text, "network waits: ");
+        add_missing(text, config, event);
+        return true;
     case MANAGER_HALTED:
         *ret_severity = CO_ERROR;
-        add(text, "network not started: %u mandatory node%s missing", (unsigned)event->actual,
-            event->actual == 1 ? "" : "s");
+        add(text, "network not started: ");
+        add_missing(text, config, event);
         if (event->expected)
             add(text, " after %u ms (Boot_Time)", (unsigned)event->expected);
         return true;
@@ -295,7 +315,7 @@ bool boot_text_event(const struct network_config *config, const struct co_event 
     struct text line = { text, size };
     const struct node_config *node = network_config_node(config, event->node);
 
-    if (add_network_news(&line, event, ret_severity))
+    if (add_network_news(&line, config, event, ret_severity))
         return true;
     add_node(&line, config, event->node);
     if (add_good_news(&line, node, event)) {

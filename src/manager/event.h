@@ -7,8 +7,10 @@
 enum manager_event {
     MANAGER_STATE = 200,     /* detail: the manager's own NMT state */
     MANAGER_NETWORK_UP,      /* every required node is up: actual: booted nodes, expected: all */
-    MANAGER_HALTED,          /* actual: so many mandatory nodes are missing; expected: Boot_Time,
-                                 which is over, or 0: they have failed for good */
+    MANAGER_HALTED,          /* actual: so many mandatory nodes are missing, node: the first of
+                                them; expected: Boot_Time, which is over, or 0: failed for good */
+    MANAGER_WAITING,         /* for mandatory nodes: actual: how many, node: the first of them;
+                                after 5 s, then ever more rarely */
     MANAGER_NODE_STEP,       /* node, detail: enum boot_step entered; CONFIGURE: actual entries */
     MANAGER_NODE_READ,       /* node, index, sub, actual: what the node answered */
     MANAGER_NODE_UP_TO_DATE, /* node: 1020h says that it is configured already */

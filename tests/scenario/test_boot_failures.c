@@ -156,8 +156,7 @@ START_TEST(test_mandatory)
 
     expect_failure(plant, failure);
     ck_assert_int_eq(plant->manager->state, halts ? NETWORK_HALTED : NETWORK_BOOTING);
-    ck_assert_uint_eq(plant_said_times(plant, "network not started: 1 mandatory node missing"),
-                      halts);
+    ck_assert_uint_eq(plant_said_times(plant, "network not started: mandatory node"), halts);
     ck_assert_uint_eq(plant_sent(plant, "000#01"), 0);
     ck_assert_int_eq(plant->manager->device.state, NMT_PREOPERATIONAL);
     ck_assert_int_eq(plant_node(plant, 6)->step, BOOT_READY);

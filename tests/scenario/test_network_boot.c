@@ -221,7 +221,7 @@ START_TEST(test_boot_time)
     plant_run_ms(plant, 1);
     ck_assert_int_eq(plant->manager->state, NETWORK_HALTED);
     plant_run_ms(plant, 1);
-    ck_assert(plant_said(plant, "network not started: 1 mandatory node missing after 3000 ms"));
+    ck_assert(plant_said(plant, "network not started: mandatory node 7 is missing after 3000 ms"));
     plant_run_ms(plant, 20000);
     ck_assert_uint_eq(plant_said_times(plant, "network not started"), 1);
     ck_assert_uint_eq(plant_sent(plant, "000#01"), 0);

@@ -1,0 +1,79 @@
+/* EDS and DCF files: what is accepted gives an ordered description and a whole concise DCF. */
+#include "dcf/dcf.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define NODE_ID 5
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static enum co_err give_file(void *context, const char *name, uint8_t **ret_bytes, size_t *ret_size)
+{
+    (void)context;
+    if (name[0] == '/' || strstr(name, ".."))
+        abort();
+    *ret_size = strlen(name);
+    *ret_bytes = (uint8_t *)strdup(name);
+    return *ret_bytes ? CO_OK : CO_ERR_MEMORY;
+}
+
+static void check_order(const struct dcf *dcf)
+{
+    for (size_t i = 1; i < dcf->count; i++) {
+        const struct dcf_entry *a = &dcf->entries[i - 1], *b = &dcf->entries[i];
+
+        if (a->index > b->index || (a->index == b->index && a->sub >= b->sub))
+            abort();
+        if (dcf_find(dcf, b->index, b->sub) != b)
+            abort();
+    }
+}
+
+static void check_ccf(const struct dcf *dcf, bool old_style)
+{
+    struct dcf_ccf_options options = { .node_id = NODE_ID,
+                                       .old_style = old_style,
+                                       .read_file = give_file };
+    struct co_report report = { .file = "fuzz" };
+    struct ccf ccf, again;
+
+    if (dcf_make_ccf(dcf, &options, &report, &ccf) != CO_OK) {
+        if (report.errors == 0)
+            abort();
+        return;
+    }
+    if (ccf_parse(ccf.bytes, ccf.size, &report, &again) != CO_OK)
+        abort();
+    ccf_done(&again);
+    ccf_done(&ccf);
+}
+
+static void check_od(const struct dcf *dcf)
+{
+    struct co_report report = { .file = "fuzz" };
+    struct od od;
+
+    od_init(&od);
+    if (dcf_make_od(dcf, NODE_ID, &report, &od) != CO_OK)
+        abort();
+    od_done(&od);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    struct co_report report = { .file = "fuzz" };
+    struct dcf dcf;
+
+    if (dcf_parse((const char *)data, size, &report, &dcf) != CO_OK) {
+        if (report.errors == 0 || dcf.count != 0)
+            abort();
+        return 0;
+    }
+    check_order(&dcf);
+    check_ccf(&dcf, false);
+    check_ccf(&dcf, true);
+    check_od(&dcf);
+    dcf_done(&dcf);
+    return 0;
+}

@@ -16,7 +16,8 @@
  * configuration, MCAL_SYS_ERROR before mcanOpenInitialize and MCAL_PARA_ERROR for a NULL pointer or
  * a number out of range; below only what goes beyond that is told.
  *
- * Threads: every function may be called from any thread. From a callback (an object or event
+ * Threads: every function may be called from any thread. While one of mcanOpenInitialize, Config,
+ * Start, ShutDown and Cleanup works, these return MCAL_SYS_ERROR in other threads. From a callback (an object or event
  * handler of scanopen.h, the log hook) only those that do not wait: the others are marked "waits"
  * and return MCAL_UNSUPPORTED there at once. After fork() the child may use no function of the
  * library.
@@ -205,6 +206,7 @@ enum {
  * Prepares the library. To be called first; a second call before mcanOpenCleanup changes nothing.
  *
  *   MCAL_OBJ_NO_MEMORY  no memory
+ *   MCAL_UNSUPPORTED    from a callback
  */
 MCANOPEN_API int mcanOpenInitialize(void);
 
@@ -238,8 +240,8 @@ MCANOPEN_API int mcanOpenConfig(const char *cfgFile);
  * Starts the manager on every configured network: initial reset, Boot_Delay, then the boot of all
  * slaves side by side (CiA 302-2). Returns at once, or, with Wait_For_Startup TRUE in a network,
  * when each slave of that network has been tried once. What happens is told by events. Without a
- * configuration, a second time or from a callback with Wait_For_Startup it does nothing but log an
- * error.
+ * configuration, a second time or from a callback it does nothing but log an error; where the
+ * system has no threads left, it logs that and shuts down (as mcanOpenShutDown).
  */
 MCANOPEN_API void mcanOpenStart(void);
 
@@ -302,6 +304,7 @@ MCANOPEN_API int mcanOpenGetNodeState(int net, int nodeID, int *state);
  *   MCAL_TOGGLE_ERROR, MCAL_WRONG_SERVER_ANSWER   the node breaks the protocol; aborted
  *   MCAL_CAN_TX_TIMEOUT, MCAL_CAN_TX_ERROR, MCAL_CAN_CONTR_OFF_BUS, MCAL_CAN_CONTR_WARN,
  *   MCAL_CAN_CONTR_BUSY       the request could not be sent, as told at each code
+ *   MCAL_NODE_NOT_FREE        the manager is not started
  *   MCAL_NO_NET               also: the manager was shut down meanwhile
  *   MCAL_UNSUPPORTED          from a callback
  */
@@ -340,13 +343,15 @@ MCANOPEN_API int mcanOpenNodeControl(int net, int nodeID, long flags);
  *
  *   Start       NMT start remote node
  *   Stop        NMT stop remote node
- *   Reset       NMT reset node or, without NMT_Reset_Node, reset communication; where the node is
- *               booted by the manager (NMT_Auto_Start_Slave) it is configured and started again
+ *   Reset       NMT reset node, whatever NMT_Reset_Node and NMT_Reset_All say: these are for the
+ *               resets that the manager decides on; where the node is booted by the manager
+ *               (NMT_Auto_Start_Slave) it is configured and started again
  *   EnterPreop  NMT enter pre-operational
  *
  *   MCAL_NODE_NOT_EXISTEND  the node is not in the configuration
  *   MCAL_NODE_NOT_FREE      not now: the manager is not started, not the NMT master or busy with
- *                           the boot of the node; start before the manager is operational
+ *                           the boot of the node or, where it is meant itself or all are, of the
+ *                           network; start before the manager is operational
  *   MCAL_CAN_TX_TIMEOUT, MCAL_CAN_TX_ERROR, MCAL_CAN_CONTR_OFF_BUS, MCAL_CAN_CONTR_WARN,
  *   MCAL_CAN_CONTR_BUSY     the command could not be sent
  */
@@ -424,7 +429,7 @@ typedef struct {
     unsigned int abortCode; /* SDO abort code of it; 0: none */
     unsigned int expected;  /* value in the configuration where the two differ */
     unsigned int actual;    /* value read from the node */
-    unsigned int attempts;  /* boots begun since mcanOpenStart */
+    unsigned int attempts;  /* boots that failed since the last one that ended well */
     char name[64];          /* <Name> of the node, or "" */
     char text[256];         /* what is missing or went wrong and what to do, one line, or "" */
 } BOOT_RECORD_T;

@@ -114,10 +114,14 @@ int mcanOpenConfig(const char *cfgFile)
         return result;
     if (state == REGISTRY_INITIALIZED) {
         result = configure(self, cfgFile, &report);
-        memcpy(self->error_text, report.first_error, sizeof self->error_text);
         if (result == MCANOPEN_OK)
             state = REGISTRY_CONFIGURED;
+    } else {
+        co_report_add(&report, CO_ERROR, 0, "mcanOpenConfig: %s",
+                      state == REGISTRY_NEW ? "mcanOpenInitialize comes first"
+                                            : "configured already, mcanOpenShutDown comes first");
     }
+    memcpy(self->error_text, report.first_error, sizeof self->error_text);
     registry_end_change(state);
     return result;
 }
@@ -161,6 +165,8 @@ static bool tried_all(const struct managed *managed)
 {
     const struct manager *manager = managed->manager;
 
+    if (!managed->config->nmt_master)
+        return true; /* nobody tries them */
     for (size_t i = 0; i < managed->config->node_count; i++) {
         const struct boot_node *node = &manager->nodes[managed->config->nodes[i].node_id];
 
@@ -170,23 +176,44 @@ static bool tried_all(const struct managed *managed)
     return true;
 }
 
+/* First the calls that wait, then the threads, then what they worked on. */
+static void shut_down(struct registry *self)
+{
+    registry_close();
+    event_queue_close(&self->events);
+    for (size_t i = 0; i < self->network_count; i++)
+        network_shut(self->networks[i].network);
+    registry_expel();
+    for (size_t i = 0; i < self->network_count; i++)
+        network_stop(self->networks[i].network);
+    event_queue_close(&self->logs);
+    thread_join(&self->control);
+    close_all(self);
+}
+
+/* Calls that an event of the first network brings about are let in before the last one runs. */
 static bool start_threads(struct registry *self)
 {
     if (thread_start(&self->control, "mcan-control", control_run, self) != CO_OK)
         return false;
+    registry_set_state(REGISTRY_RUNNING);
     for (size_t i = 0; i < self->network_count; i++)
         if (network_start(self->networks[i].network) != CO_OK)
             return false;
     return true;
 }
 
-static void start(struct registry *self)
+static enum registry_state start(struct registry *self)
 {
-    if (!start_threads(self))
-        log_put(CO_ERROR, "mcanOpenStart: no memory for the threads");
-    else if (!set_priorities(self))
+    if (!start_threads(self)) {
+        log_put(CO_ERROR, "mcanOpenStart: no memory for the threads: shut down");
+        shut_down(self);
+        return REGISTRY_INITIALIZED;
+    }
+    if (!set_priorities(self))
         log_put(CO_WARNING, "no right to set thread priorities (CAP_SYS_NICE, or ulimit -r): the "
                             "threads run with the default ones");
+    return REGISTRY_RUNNING;
 }
 
 /* Each slave of the network has been tried once, or the network goes away. */
@@ -222,8 +249,7 @@ void mcanOpenStart(void)
         log_put(CO_ERROR, state == REGISTRY_RUNNING ? "mcanOpenStart: started already"
                                                     : "mcanOpenStart: nothing is configured");
     } else {
-        start(self);
-        state = REGISTRY_RUNNING;
+        state = start(self);
         for (size_t i = 0; i < self->network_count; i++)
             if (self->networks[i].config->wait_for_startup)
                 waiting[waiting_count++] = self->networks[i].config->net;
@@ -231,20 +257,6 @@ void mcanOpenStart(void)
     registry_end_change(state);
     for (size_t i = 0; i < waiting_count; i++)
         wait_for_startup(waiting[i]);
-}
-
-/* First the calls that wait, then the threads, then what they worked on. */
-static void shut_down(struct registry *self)
-{
-    event_queue_close(&self->events);
-    for (size_t i = 0; i < self->network_count; i++)
-        network_shut(self->networks[i].network);
-    registry_expel();
-    for (size_t i = 0; i < self->network_count; i++)
-        network_stop(self->networks[i].network);
-    event_queue_close(&self->logs);
-    thread_join(&self->control);
-    close_all(self);
 }
 
 int mcanOpenShutDown(void)

@@ -30,7 +30,7 @@ static int command(int net, int node, enum nmt_command nmt)
         network_leave(managed->network, managed->config->manager_node_id);
         result = error_of_command(err);
     } else {
-        result = MCAL_SYS_ERROR;
+        result = MCAL_NODE_NOT_FREE;
     }
     registry_leave();
     return result;

@@ -5,26 +5,39 @@
 static struct registry registry = { .lock = PTHREAD_MUTEX_INITIALIZER,
                                     .idle = PTHREAD_COND_INITIALIZER };
 
+static struct managed *find(int net)
+{
+    for (size_t i = 0; i < registry.network_count; i++)
+        if (registry.networks[i].config->net == net)
+            return &registry.networks[i];
+    return NULL;
+}
+
+/* Under the lock. */
+static int enter(int net, bool running, struct managed **ret_managed)
+{
+    struct managed *managed;
+
+    if (registry.state == REGISTRY_NEW)
+        return MCAL_SYS_ERROR;
+    managed = registry.open ? find(net) : NULL;
+    if (!managed)
+        return MCAL_NO_NET;
+    if (running && registry.state != REGISTRY_RUNNING)
+        return MCAL_NODE_NOT_FREE;
+    registry.users++;
+    *ret_managed = managed;
+    return MCANOPEN_OK;
+}
+
 int registry_enter(int net, bool running, struct managed **ret_managed)
 {
-    int result = MCAL_NO_NET;
+    int result;
 
     if (net < 0 || net > UINT8_MAX)
         return MCAL_PARA_ERROR;
     pthread_mutex_lock(&registry.lock);
-    if (registry.state == REGISTRY_NEW)
-        result = MCAL_SYS_ERROR;
-    for (size_t i = 0; i < registry.network_count && !registry.changing; i++) {
-        if (registry.networks[i].config->net != net)
-            continue;
-        if (running && registry.state != REGISTRY_RUNNING) {
-            result = MCAL_SYS_ERROR;
-            break;
-        }
-        *ret_managed = &registry.networks[i];
-        registry.users++;
-        result = MCANOPEN_OK;
-    }
+    result = enter(net, running, ret_managed);
     pthread_mutex_unlock(&registry.lock);
     return result;
 }
@@ -44,13 +57,20 @@ int registry_enter_events(struct event_queue **ret_queue)
     pthread_mutex_lock(&registry.lock);
     if (registry.state == REGISTRY_NEW)
         result = MCAL_SYS_ERROR;
-    else if (registry.state == REGISTRY_INITIALIZED || registry.changing)
+    else if (!registry.open)
         result = MCAL_NO_NET;
     else
         registry.users++;
     pthread_mutex_unlock(&registry.lock);
     *ret_queue = &registry.events;
     return result;
+}
+
+void registry_close(void)
+{
+    pthread_mutex_lock(&registry.lock);
+    registry.open = false;
+    pthread_mutex_unlock(&registry.lock);
 }
 
 void registry_expel(void)
@@ -78,10 +98,18 @@ struct registry *registry_begin_change(enum registry_state *ret_state, int *ret_
     return self;
 }
 
+void registry_set_state(enum registry_state state)
+{
+    pthread_mutex_lock(&registry.lock);
+    registry.state = state;
+    pthread_mutex_unlock(&registry.lock);
+}
+
 void registry_end_change(enum registry_state state)
 {
     pthread_mutex_lock(&registry.lock);
     registry.state = state;
+    registry.open = state == REGISTRY_CONFIGURED || state == REGISTRY_RUNNING;
     registry.changing = false;
     pthread_mutex_unlock(&registry.lock);
 }

@@ -23,12 +23,13 @@ struct managed {                         /* one network with its manager */
 enum registry_state { REGISTRY_NEW, REGISTRY_INITIALIZED, REGISTRY_CONFIGURED, REGISTRY_RUNNING };
 
 struct registry {
-    pthread_mutex_t lock; /* of state, changing and users */
+    pthread_mutex_t lock; /* of state, changing, open and users */
     pthread_cond_t idle;  /* users is 0 */
     enum registry_state state;
     bool changing; /* a call of Initialize, Config, Start, ShutDown or Cleanup is under way */
+    bool open;     /* calls may use the networks */
     unsigned users;
-    /* The rest is changed between registry_begin_change() and registry_end_change() only. */
+    /* The rest is changed by a call that changes the state, and while not open, only. */
     struct network_config *configs;
     size_t config_count;
     struct managed networks[NETWORK_INSTANCES];
@@ -40,9 +41,9 @@ struct registry {
 };
 
 /*
- * For one call on one network: MCANOPEN_OK, MCAL_SYS_ERROR (not initialized; or 'running' is asked
- * for and mcanOpenStart was not called), MCAL_NO_NET, MCAL_PARA_ERROR. After MCANOPEN_OK
- * registry_leave() must follow.
+ * For one call on one network: MCANOPEN_OK, MCAL_SYS_ERROR (not initialized), MCAL_NODE_NOT_FREE
+ * ('running' is asked for and mcanOpenStart was not called), MCAL_NO_NET, MCAL_PARA_ERROR. After
+ * MCANOPEN_OK registry_leave() must follow.
  */
 int registry_enter(int net, bool running, struct managed **ret_managed);
 /* The same for a call on the application's event queue. */
@@ -55,9 +56,14 @@ void registry_leave(void);
  */
 struct registry *registry_begin_change(enum registry_state *ret_state, int *ret_result);
 void registry_end_change(enum registry_state state);
+/* During a change: what has come about counts from now on. */
+void registry_set_state(enum registry_state state);
+/* During a change: no call gets in any more. */
+void registry_close(void);
+/* Waits until those that are inside have left. */
+void registry_expel(void);
+
 /* Of the last configuration. */
 const char *registry_error_text(void);
-/* During a change: waits until no call is inside. */
-void registry_expel(void);
 
 #endif

@@ -1,6 +1,6 @@
 /*
  * Real files of TEST_CORPUS_DIR: each is read, or refused for a reason that is listed here, and
- * those that are read give a dictionary and a concise DCF. Without the directory these tests are not run.
+ * those that are read give a dictionary and a concise DCF. Without the directory none is run.
  */
 #include "dcf/dcf.h"
 #include "support/guard.h"

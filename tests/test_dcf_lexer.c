@@ -111,15 +111,19 @@ static const struct {
       "[1018]4 [Foo]1 A=2@3 [Foo]5 ",
       "1: warning: a section of CiA 306 expected, there is [Foo]: ignored\n"
       "5: warning: a section of CiA 306 expected, there is [Foo]: ignored\n" },
-    { "names that are near", "[1018sub100]\n[1018subG]\n[1018sub]\n[101]\n[]\n[MaFixed]\n[Toolx]\n",
-      "[1018sub100]1 [1018subG]2 [1018sub]3 [101]4 []5 [MaFixed]6 [Toolx]7 ",
+    { "names that are near",
+      "[1018sub100]\n[1018subG]\n[1018sub]\n[101]\n[]\n[MaFixed]\n[Toolx]\n"
+      "[1018sub00001]\n",
+      "[1018sub100]1 [1018subG]2 [1018sub]3 [101]4 []5 [MaFixed]6 [Toolx]7 "
+      "[1018sub00001]8 ",
       "1: warning: a section of CiA 306 expected, there is [1018sub100]: ignored\n"
       "2: warning: a section of CiA 306 expected, there is [1018subG]: ignored\n"
       "3: warning: a section of CiA 306 expected, there is [1018sub]: ignored\n"
       "4: warning: a section of CiA 306 expected, there is [101]: ignored\n"
       "5: warning: a section of CiA 306 expected, there is []: ignored\n"
       "6: warning: a section of CiA 306 expected, there is [MaFixed]: ignored\n"
-      "7: warning: a section of CiA 306 expected, there is [Toolx]: ignored\n" },
+      "7: warning: a section of CiA 306 expected, there is [Toolx]: ignored\n"
+      "8: warning: a section of CiA 306 expected, there is [1018sub00001]: ignored\n" },
     { "known sections without use here",
       "[M1ModuleInfo]\n[M12Fixed6000sub1]\n[M1SubExtends]\n[Tool1]\n[Tools]\n[Comments]\n"
       "[DynamicChannels]\n[1600ObjectLinks]\n",

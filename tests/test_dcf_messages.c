@@ -106,6 +106,12 @@ static const struct {
       OBJECT("2000", VAR("2000", "2", "rw") "LowLimit=0x00\nHighLimit=0xFF\nParameterValue=-1\n"),
       "50: warning: 2000h:00: LowLimit up to HighLimit expected, there are 0 and -1: both are "
       "ignored\n" },
+    { "values at their limits",
+      U8_OBJECT("LowLimit=1\nHighLimit=3\nDefaultValue=1\nParameterValue=3\n"), "" },
+    { "signed values at their limits",
+      OBJECT("2000", VAR("2000", "2", "rw") "LowLimit=-3\nHighLimit=0xFF\nDefaultValue=-3\n"
+                                            "ParameterValue=-1\n"),
+      "" },
     { "a default outside its limits", U8_OBJECT("LowLimit=1\nHighLimit=3\nDefaultValue=4\n"),
       "52: warning: 2000h:00 DefaultValue: 1 to 3 expected (its limits), there is 4\n" },
     { "a read-only value outside its limits",

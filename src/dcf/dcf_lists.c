@@ -113,11 +113,14 @@ static void check_list(struct dcf_builder *self, const struct list *list, struct
 
 static void check_sections(struct dcf_builder *self, const struct place *places)
 {
-    for (uint32_t index = FIRST_OBJECT; index <= UINT16_MAX; index++) {
-        if (places[index].section_line != 0 && places[index].list_line == 0)
-            co_report_add(self->report, CO_WARNING, places[index].section_line,
-                          "[%04lX]: its index expected in [%s], it is in no list",
-                          (unsigned long)index, list_of(index));
+    for (size_t i = 0; i < self->text.section_count; i++) {
+        const struct dcf_section *section = &self->text.sections[i];
+
+        if (section->kind == DCF_SECTION_OBJECT && section->index >= FIRST_OBJECT &&
+            places[section->index].list_line == 0)
+            co_report_add(self->report, CO_WARNING, section->line,
+                          "[%04X]: its index expected in [%s], it is in no list", section->index,
+                          list_of(section->index));
     }
 }
 

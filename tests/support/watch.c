@@ -52,8 +52,7 @@ static bool is_boot_up_under_way(const struct plant *plant, uint8_t node)
     if (plant->devices[node]->slave.boot_up_due)
         return true;
     for (unsigned i = 0; i < box->frame_count; i++) {
-        const struct co_frame *frame =
-            &box->frames[(box->frame_first + i) % box->frame_capacity];
+        const struct co_frame *frame = &box->frames[(box->frame_first + i) % box->frame_capacity];
 
         if (frame->id == NMT_ERROR_CONTROL_ID + node && frame->data[0] == NMT_INITIALISING)
             return true;

@@ -22,6 +22,12 @@ bool boot_node_is_booted_by_master(const struct boot_node *self)
     return self->config && self->config->nmt_slave;
 }
 
+bool boot_node_is_in_mid_boot(const struct boot_node *self)
+{
+    return boot_node_is_booted_by_master(self) && self->config->auto_start_slave &&
+           self->step >= BOOT_DEVICE_TYPE && self->step <= BOOT_ERROR_CONTROL;
+}
+
 enum nmt_command boot_node_reset_command(const struct boot_node *self)
 {
     return self->config->reset_node ? NMT_RESET_NODE : NMT_RESET_COMMUNICATION;

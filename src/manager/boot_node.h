@@ -88,6 +88,8 @@ void boot_node_init(struct boot_node *self, uint8_t node, const struct node_conf
  */
 bool boot_node_is_booted_by_master(const struct boot_node *self);
 
+/* True from the first read to the end of its boot. */
+bool boot_node_is_in_mid_boot(const struct boot_node *self);
 /* What it is reset with, by its configuration. */
 enum nmt_command boot_node_reset_command(const struct boot_node *self);
 

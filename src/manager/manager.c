@@ -137,6 +137,21 @@ static void on_foreign_command(struct manager *self, const struct co_frame *fram
     }
 }
 
+/*
+ * A start command has got on the wire behind the news that its node has restarted: the node is
+ * operational without its configuration.
+ */
+static void on_own_frame(struct manager *self, const struct co_frame *frame, co_us_t now)
+{
+    if (frame->id != NMT_CAN_ID || frame->data[0] != NMT_START)
+        return;
+    FOR_EACH_NODE(self, node) {
+        if ((frame->data[1] == NMT_ALL_NODES || frame->data[1] == node->config->node_id) &&
+            boot_node_is_in_mid_boot(node))
+            boot_network_reset_node(self, node, boot_node_reset_command(node), now);
+    }
+}
+
 static void dispatch(struct manager *self, const struct co_frame *frame, co_us_t now)
 {
     uint32_t node = frame->id & 0x7Fu;
@@ -145,7 +160,7 @@ static void dispatch(struct manager *self, const struct co_frame *frame, co_us_t
     if (is_in_range(frame, SDO_RESPONSE_ID) || (own && is_in_range(frame, SDO_REQUEST_ID)))
         sdo_client_on_frame(&self->channels[node].client, frame, now, &self->inner);
     else if (own)
-        return;
+        on_own_frame(self, frame, now);
     else if (is_in_range(frame, NMT_ERROR_CONTROL_ID))
         error_control_on_frame(self, frame, now);
     else if (is_in_range(frame, EMCY_CAN_ID))
@@ -163,7 +178,8 @@ void manager_on_frame(struct manager *self, const struct co_frame *frame, co_us_
         self->dropped++; /* the owner has not drained us for hundreds of events */
         return;
     }
-    slave_on_frame(&self->device, frame, now, &self->inner);
+    if (frame->id != NMT_CAN_ID || !self->config->nmt_master) /* nobody commands the master */
+        slave_on_frame(&self->device, frame, now, &self->inner);
     dispatch(self, frame, now);
     boot_network_check(self, now);
     settle(self, now, out);
@@ -195,6 +211,8 @@ static bool is_reset(enum nmt_command command)
 
 static enum co_err command_self(struct manager *self, enum nmt_command command, co_us_t now)
 {
+    if (self->state == NETWORK_OFF)
+        return CO_ERR_STATE;
     if (is_reset(command)) {
         slave_command(&self->device, command, now, &self->inner);
         boot_network_begin(self, command, now);

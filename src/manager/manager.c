@@ -274,7 +274,7 @@ static enum co_err command_all(struct manager *self, enum nmt_command command, c
 static enum co_err reset_node(struct manager *self, struct boot_node *node,
                               enum nmt_command command, co_us_t now)
 {
-    if (self->state == NETWORK_OFF || self->state == NETWORK_RESETTING)
+    if (self->state == NETWORK_RESETTING)
         return CO_ERR_STATE;
     boot_network_reset_node(self, node, command, now);
     return CO_OK;
@@ -287,7 +287,7 @@ static enum co_err command_node(struct manager *self, enum nmt_command command,
     bool booted_here = boot_node_is_booted_by_master(node);
     enum co_err err;
 
-    if (command == NMT_START && self->state != NETWORK_OPERATIONAL)
+    if (self->state == NETWORK_OFF || (command == NMT_START && self->state != NETWORK_OPERATIONAL))
         return CO_ERR_STATE;
     if (booted_here && is_reset(command) && node->config->auto_start_slave)
         return reset_node(self, node, command, now);

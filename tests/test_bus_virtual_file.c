@@ -4,8 +4,10 @@
 
 #include <check.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -58,6 +60,48 @@ START_TEST(the_last_one_removes_the_file)
     ck_assert_int_eq(access(fixture_path(), F_OK), 0);
     bus_close(second);
     ck_assert_int_ne(access(fixture_path(), F_OK), 0);
+}
+END_TEST
+
+START_TEST(a_file_that_replaced_ours_is_not_removed)
+{
+    struct bus *first = fixture_open(false), *second, *third;
+
+    ck_assert_int_eq(unlink(fixture_path()), 0);
+    second = fixture_open(false);
+    bus_close(first);
+    third = fixture_open(false);
+    fixture_send_number(second, 1);
+    fixture_expect(third, "123#01000000");
+    bus_close(second);
+    bus_close(third);
+}
+END_TEST
+
+static void *open_in_thread(void *context)
+{
+    (void)context;
+    return fixture_open(false);
+}
+
+START_TEST(a_file_removed_while_we_wait_for_it_is_not_joined)
+{
+    int fd = open(fixture_path(), O_RDWR | O_CREAT, 0600);
+    struct bus *other;
+    pthread_t opener;
+    void *bus;
+
+    ck_assert_int_eq(flock(fd, LOCK_EX), 0);
+    ck_assert_int_eq(pthread_create(&opener, NULL, open_in_thread, NULL), 0);
+    usleep(20000); /* most likely it waits by now; correct either way */
+    ck_assert_int_eq(unlink(fixture_path()), 0);
+    close(fd);
+    ck_assert_int_eq(pthread_join(opener, &bus), 0);
+    other = fixture_open(false);
+    fixture_send_number(other, 1);
+    fixture_expect(bus, "123#01000000");
+    bus_close(bus);
+    bus_close(other);
 }
 END_TEST
 
@@ -128,6 +172,39 @@ START_TEST(a_damaged_file_in_use_is_refused)
 }
 END_TEST
 
+START_TEST(a_bus_of_another_namespace_is_refused)
+{
+    const struct bus_message none = { NULL, 0 };
+    struct segment segment;
+    char message[300];
+
+    ck_assert_int_eq(segment_open(&segment, fixture_name() + strlen(BUS_VIRTUAL_PREFIX), &none),
+                     CO_OK);
+    segment.map->network_space++;
+    ck_assert_int_eq(fixture_try_open(fixture_name(), message, sizeof message), CO_ERR_STATE);
+    ck_assert_ptr_nonnull(strstr(message, "namespace"));
+    segment.map->network_space--;
+    segment.map->pid_space++;
+    ck_assert_int_eq(fixture_try_open(fixture_name(), message, sizeof message), CO_ERR_STATE);
+    segment.map->pid_space--;
+    ck_assert_int_eq(fixture_try_open(fixture_name(), message, sizeof message), CO_OK);
+    segment_close(&segment);
+}
+END_TEST
+
+START_TEST(a_bus_never_set_up_does_not_hang)
+{
+    int fd = open(fixture_path(), O_RDWR | O_CREAT, 0600);
+    char message[300];
+
+    ck_assert_int_eq(flock(fd, LOCK_EX), 0); /* as a process does that is stopped in its set-up */
+    ck_assert_int_eq(fixture_try_open(fixture_name(), message, sizeof message), CO_ERR_HELD);
+    ck_assert_ptr_nonnull(strstr(message, "setting it up"));
+    close(fd);
+    ck_assert_int_eq(fixture_try_open(fixture_name(), message, sizeof message), CO_OK);
+}
+END_TEST
+
 START_TEST(a_file_others_can_write_is_refused)
 {
     char message[300];
@@ -158,10 +235,14 @@ static Suite *suite_of_all(void)
     tcase_add_loop_test(tests, names_are_checked, 0, sizeof name_cases / sizeof name_cases[0]);
     tcase_add_test(tests, the_bus_tells_its_name_and_state);
     tcase_add_test(tests, the_last_one_removes_the_file);
+    tcase_add_test(tests, a_file_that_replaced_ours_is_not_removed);
+    tcase_add_test(tests, a_file_removed_while_we_wait_for_it_is_not_joined);
     tcase_add_test(tests, buses_are_private);
     tcase_add_test(tests, participants_are_bounded);
     tcase_add_test(tests, a_damaged_file_nobody_uses_is_set_up_anew);
     tcase_add_test(tests, a_damaged_file_in_use_is_refused);
+    tcase_add_test(tests, a_bus_of_another_namespace_is_refused);
+    tcase_add_test(tests, a_bus_never_set_up_does_not_hang);
     tcase_add_test(tests, a_file_others_can_write_is_refused);
     tcase_add_test(tests, a_link_is_refused);
     suite_add_tcase(suite, tests);

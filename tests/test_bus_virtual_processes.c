@@ -68,6 +68,19 @@ static int play_sender(const char *bus_name, char **arguments)
     return 0;
 }
 
+/* Comes and goes, often as the first or the last one. */
+static int play_visitor(const char *bus_name)
+{
+    for (uint32_t n = 0; n < 300; n++) {
+        struct bus *bus = peer_open(bus_name);
+
+        if (!peer_send(bus, 0x111, n))
+            return 3;
+        bus_close(bus);
+    }
+    return 0;
+}
+
 static struct segment *peer_lock(const char *bus_name)
 {
     static struct segment segment;
@@ -131,6 +144,8 @@ static int play(char **arguments)
 
     if (strcmp(part, "sender") == 0)
         return play_sender(bus_name, arguments + 2);
+    if (strcmp(part, "visitor") == 0)
+        return play_visitor(bus_name);
     if (strcmp(part, "holder") == 0)
         return play_holder(bus_name);
     if (strcmp(part, "half") == 0)
@@ -392,6 +407,21 @@ START_TEST(slots_of_the_dead_are_used_again)
 }
 END_TEST
 
+START_TEST(all_may_come_and_go_at_once)
+{
+    pid_t visitors[3];
+    struct bus *bus;
+
+    for (unsigned i = 0; i < 3; i++)
+        visitors[i] = start("visitor");
+    for (unsigned i = 0; i < 3; i++)
+        expect_success(visitors[i]);
+    bus = open_bus();
+    ck_assert_int_eq(send_one(bus), CO_OK);
+    bus_close(bus);
+}
+END_TEST
+
 START_TEST(a_bus_left_by_the_dead_is_set_up_anew)
 {
     struct bus *bus;
@@ -493,6 +523,7 @@ int main(int argc, char **argv)
     tcase_add_test(tests, a_stopped_holder_may_be_killed);
     tcase_add_test(tests, nobody_waits_for_a_stopped_reader);
     tcase_add_test(tests, slots_of_the_dead_are_used_again);
+    tcase_add_test(tests, all_may_come_and_go_at_once);
     tcase_add_test(tests, a_bus_left_by_the_dead_is_set_up_anew);
     tcase_add_test(tests, killed_writers_harm_nobody);
     suite_add_tcase(suite, tests);

@@ -279,13 +279,16 @@ static uint64_t start_of_process(uint32_t pid)
     return field ? strtoull(field + 1, NULL, 10) : 0;
 }
 
+/* Where /proc does not tell, a process of that number is taken for the right one. */
 static bool is_gone(const struct segment_slot *slot)
 {
     uint32_t pid = atomic_load(&slot->pid);
+    uint64_t started = atomic_load(&slot->started), now;
 
     if (kill((pid_t)pid, 0) != 0 && errno == ESRCH)
         return true;
-    return start_of_process(pid) != atomic_load(&slot->started);
+    now = start_of_process(pid);
+    return now != 0 && started != 0 && now != started;
 }
 
 enum co_err segment_find_slot(struct segment *self, unsigned *ret_slot)

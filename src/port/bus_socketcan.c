@@ -453,7 +453,7 @@ static struct bus_socketcan *new_socketcan(const struct socketcan_calls *calls, 
     self->fd = -1;
     self->wake = -1;
     self->own_frames = own_frames;
-    memcpy(self->name, name, strlen(name));
+    memcpy(self->name, name, strlen(name) + 1);
     return self;
 }
 

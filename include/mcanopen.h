@@ -294,8 +294,8 @@ MCANOPEN_API int mcanOpenGetNodeState(int net, int nodeID, int *state);
  * 7.2.4). *len is the size of buffer in bytes before, and the number of bytes read after the call.
  * The bytes are as the node has sent them, little-endian. The time-out for each answer is
  * SDO_Timeout of the node; for nodes that are not in the configuration, which may be read as well,
- * 200 ms. The time starts when the transfer's turn has come: a node serves one at a time. error may
- * be NULL. Waits.
+ * 200 ms. The time starts when the transfer's turn has come: a node serves one at a time. With the
+ * manager's own node-ID its own dictionary is read, over the bus as well. error may be NULL. Waits.
  *
  *   MCAL_ABORT_DOMAIN         the node aborted; *error has its code
  *   MCAL_BUFFER_OVERFLOW      the data is longer than *len: aborted with 05040005h, buffer is

@@ -170,16 +170,28 @@ static void dispatch(struct manager *self, const struct co_frame *frame, co_us_t
         on_foreign_command(self, frame);
 }
 
+/* The application may ask for the manager's own dictionary: the device hears that as well. */
+static struct co_frame for_device(const struct manager *self, const struct co_frame *frame)
+{
+    struct co_frame heard = *frame;
+
+    if (frame->id == SDO_REQUEST_ID + self->config->manager_node_id)
+        heard.flags &= (uint8_t)~CO_FRAME_OWN;
+    return heard;
+}
+
 void manager_on_frame(struct manager *self, const struct co_frame *frame, co_us_t now,
                       struct co_outbox *out)
 {
+    struct co_frame heard = for_device(self, frame);
+
     settle(self, now, out);
     if (!co_outbox_room(&self->inner, 0, EVENT_ROOM)) {
         self->dropped++; /* the owner has not drained us for hundreds of events */
         return;
     }
     if (frame->id != NMT_CAN_ID || !self->config->nmt_master) /* nobody commands the master */
-        slave_on_frame(&self->device, frame, now, &self->inner);
+        slave_on_frame(&self->device, &heard, now, &self->inner);
     dispatch(self, frame, now);
     boot_network_check(self, now);
     settle(self, now, out);

@@ -64,10 +64,10 @@ void api_plant_free(struct api_plant *self)
     mcanOpenSetLog(NULL, NULL);
     network_close(self->network);
     for (unsigned node = 1; node <= NMT_NODE_MAX; node++) {
-        if (!self->devices[node].made)
-            continue;
-        slave_done(&self->devices[node].slave);
-        od_done(&self->devices[node].od);
+        if (self->devices[node].running)
+            slave_done(&self->devices[node].slave);
+        if (self->devices[node].made)
+            od_done(&self->devices[node].od);
     }
     condition_done(&self->changed);
     lock_done(&self->lock);
@@ -87,8 +87,6 @@ void api_add_device(struct api_plant *self, uint8_t node)
     ck_assert_int_eq(od_add_number(od, 0x1017, 0, OD_UNSIGNED16, OD_RW, 0), CO_OK);
     ck_assert_int_eq(od_add_number(od, 0x1018, 0, OD_UNSIGNED8, OD_RO, 1), CO_OK);
     ck_assert_int_eq(od_add_number(od, 0x1018, 1, OD_UNSIGNED32, OD_RO, 0x29A), CO_OK);
-    ck_assert_int_eq(slave_init(&device->slave, node, od), CO_OK);
-    ck_assert_int_eq(network_add_slave(self->network, &device->slave), CO_OK);
     device->made = true;
 }
 
@@ -113,8 +111,21 @@ void api_add_domain(struct api_plant *self, uint8_t node, uint16_t index, const 
     ck_assert_int_eq(od_add(&self->devices[node].od, &spec, NULL), CO_OK);
 }
 
+/* With a complete dictionary: the device's buffer is as large as the largest entry. */
+static void add_to_network(struct api_plant *self, uint8_t node)
+{
+    struct api_device *device = &self->devices[node];
+
+    ck_assert_int_eq(slave_init(&device->slave, node, &device->od), CO_OK);
+    ck_assert_int_eq(network_add_slave(self->network, &device->slave), CO_OK);
+    device->running = true;
+}
+
 void api_devices_start(struct api_plant *self)
 {
+    for (uint8_t node = 1; node <= NMT_NODE_MAX; node++)
+        if (self->devices[node].made)
+            add_to_network(self, node);
     ck_assert_int_eq(network_start(self->network), CO_OK);
 }
 

@@ -27,7 +27,7 @@
 #define API_NODE(id) API_NODE_WITH(id, "")
 
 struct api_device {
-    bool made;
+    bool made, running;
     struct od od;
     struct slave slave;
 };

@@ -265,7 +265,7 @@ static const struct {
       DCF_ERROR_OUT_OF_LIMITS,
       "55: error: 2000h:02 ParameterValue: (none) to 9 expected (its limits), there is 10\n" },
     { "a node-ID that is too high", COMMISSIONING("NodeID=128\nBaudrate=500\n"),
-      DCF_ERROR_WRONG_NODE_ID,
+      DCF_ERROR_WRONG_MODULE_NO,
       "47: error: [DeviceComissioning] NodeID: 1..127 expected, there is \"128\"\n" },
     { "a node-ID that is no number", COMMISSIONING("NodeID=five\nBaudrate=500\n"),
       DCF_ERROR_WRONG_NODE_ID,
@@ -285,7 +285,7 @@ static const struct {
       "51: error: [ConnectedModules] 2: a module of 1..2 expected, there is \"3\"\n" },
     { "all errors are told, the kind is the first one's",
       U8_OBJECT("ParameterValue=256\n[DeviceComissioning]\nNodeID=200\nBaudrate=500\n"),
-      DCF_ERROR_WRONG_NODE_ID,
+      DCF_ERROR_WRONG_MODULE_NO,
       "52: error: [DeviceComissioning] NodeID: 1..127 expected, there is \"200\"\n"
       "50: error: [2000] ParameterValue: a number in the range of UNSIGNED8 expected, there is "
       "\"256\"\n" },

@@ -37,6 +37,8 @@ int error_of_xml(enum co_err err)
         return CANOPEN_DCF_WRONG_MODULE_NO;
     if (err == CO_ERR_BITRATE)
         return CANOPEN_DCF_WRONG_BAUDRATE;
+    if (err == CO_ERR_AGAIN)
+        return CANOPEN_DCF_WRONG_NET_NO;
     return error_of(err, err == CO_ERR_VALUE ? MCAL_PARA_ERROR : MCAL_SYS_ERROR);
 }
 

@@ -158,9 +158,9 @@ static void build_node_id(struct dcf_builder *self, struct dcf_section *section)
                       "[%s] NodeID: 1..127 expected, there is \"%s\": taken as not configured",
                       dcf_show(section->name).text, dcf_show(key->value).text);
     } else {
-        dcf_error_add(self->report, DCF_ERROR_WRONG_NODE_ID, key->line,
-                      "[%s] NodeID: 1..127 expected, there is \"%s\"", dcf_show(section->name).text,
-                      dcf_show(key->value).text);
+        dcf_error_add(self->report, is_number ? DCF_ERROR_WRONG_MODULE_NO : DCF_ERROR_WRONG_NODE_ID,
+                      key->line, "[%s] NodeID: 1..127 expected, there is \"%s\"",
+                      dcf_show(section->name).text, dcf_show(key->value).text);
     }
 }
 

@@ -208,7 +208,7 @@ static void add_network(const xmlNode *node, struct networks *networks, struct f
     struct network_config *configs;
 
     if (networks->count == NETWORK_INSTANCES) {
-        faults_error(faults, CO_ERR_VALUE, network_xml_line(node),
+        faults_error(faults, CO_ERR_AGAIN, network_xml_line(node),
                      "Manager_Instance: more than %u in one file", NETWORK_INSTANCES);
         return;
     }

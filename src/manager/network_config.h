@@ -97,8 +97,8 @@ struct network_config {
  * CO_ERR_FORMAT: no well-formed XML, or not a configuration at all; CO_ERR_VALUE: an unknown
  * element, a value out of range, a duplicate, something mandatory missing, a service whose turn has
  * not come; CO_ERR_MEMORY. Kinds of errors (co_report_kind) are these too, and CO_ERR_ARG for a
- * node-ID out of range, CO_ERR_BITRATE for a bit rate that CANopen does not have. The outputs are
- * untouched on failure.
+ * node-ID out of range, CO_ERR_BITRATE for a bit rate that CANopen does not have, CO_ERR_AGAIN for
+ * more networks than there is room for. The outputs are untouched on failure.
  */
 enum co_err network_config_parse(const char *text, size_t size, struct co_report *report,
                                  struct network_config **ret_networks, size_t *ret_count);

@@ -28,7 +28,26 @@ enum proto_event {
     /* A watched node has been silent for its whole period: node, detail (last state). */
     PROTO_HB_LOST,
     /* An emergency has come: node, code (error code), detail (error register), data (8 bytes). */
-    PROTO_EMCY
+    PROTO_EMCY,
+    /*
+     * A guarded node's first answer, its first one after a loss, or one with another NMT state:
+     * node, detail (state).
+     */
+    PROTO_GUARD_STATE,
+    /*
+     * A guarded node gives no answer, see guarding.h; once until it answers again: node, detail
+     * (state of its last answer; NMT_INITIALISING: it has given none).
+     */
+    PROTO_GUARD_LOST,
+    /*
+     * A guarded node has answered with the wrong toggle bit: node, detail (state), actual (how
+     * many so far). It is not lost.
+     */
+    PROTO_GUARD_TOGGLE,
+    /* The master of this device asks no more: node (the device's own). */
+    PROTO_LIFE_LOST,
+    /* It asks again, or life guarding has ended: node (the device's own). */
+    PROTO_LIFE_BACK
 };
 
 #endif

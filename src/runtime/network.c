@@ -250,7 +250,8 @@ static void *run(void *context)
 
 /* --- opening and closing --- */
 
-/* What devices listen to: NMT, emergencies (and SYNC), SDO both ways, error control. */
+/* What devices listen to: NMT, emergencies (and SYNC), SDO both ways, error control with the
+ * requests of guarding. */
 static enum co_err set_filters(struct network *self)
 {
     static const struct bus_filter filters[] = {
@@ -258,7 +259,7 @@ static enum co_err set_filters(struct network *self)
         { 0x080, 0x780, 0, CO_FRAME_EXT | CO_FRAME_RTR },
         { 0x580, 0x780, 0, CO_FRAME_EXT | CO_FRAME_RTR },
         { 0x600, 0x780, 0, CO_FRAME_EXT | CO_FRAME_RTR },
-        { 0x700, 0x780, 0, CO_FRAME_EXT | CO_FRAME_RTR },
+        { 0x700, 0x780, 0, CO_FRAME_EXT },
     };
 
     return bus_set_filters(self->bus, filters, sizeof filters / sizeof filters[0]);

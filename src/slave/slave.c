@@ -39,6 +39,7 @@ void slave_enter_state(struct slave *self, enum nmt_state state, struct co_outbo
 
     self->state = (uint8_t)state;
     self->heartbeat.state = (uint8_t)state;
+    self->guard.state = (uint8_t)state;
     sdo_server_enable(&self->server, services);
     emcy_producer_enable(&self->emcy, services);
     tell_state(self, out);
@@ -128,9 +129,7 @@ enum co_err slave_init(struct slave *self, uint8_t node, struct od *od)
 
     if (node < 1 || node > NMT_NODE_MAX)
         return CO_ERR_ARG;
-    *self = (struct slave){
-        .node = node, .od = od, .consumer_deadline = CO_NEVER, .guard = { .deadline = CO_NEVER }
-    };
+    *self = (struct slave){ .node = node, .od = od, .consumer_deadline = CO_NEVER };
     err = add_missing_objects(od);
     if (err != CO_OK)
         return err;
@@ -144,6 +143,7 @@ enum co_err slave_init(struct slave *self, uint8_t node, struct od *od)
     sdo_server_init(&self->server, od, node, self->buffer, capacity);
     sdo_server_enable(&self->server, false);
     hb_producer_init(&self->heartbeat, node);
+    guard_slave_init(&self->guard, node);
     emcy_producer_init(&self->emcy, COB_ID_INVALID);
     return CO_OK;
 }
@@ -179,13 +179,14 @@ static void take_over(struct slave *self, uint16_t index, uint8_t sub, co_us_t n
 {
     if (index == 0x1014 || index == 0x1015) {
         slave_configure_emcy(self);
+    } else if (index == 0x100C || index == 0x100D) {
+        slave_configure_guarding(self, now, out);
     } else if (index == 0x1016) {
         slave_configure_consumer(self, sub);
         slave_watch_consumers(self, now, out);
     } else if (index == 0x1017) {
-        if (heartbeat_period(self) > 0)
-            slave_end_guarding(self, now, out);
         hb_producer_start(&self->heartbeat, heartbeat_period(self), true, now);
+        slave_configure_guarding(self, now, out);
         hb_producer_on_time(&self->heartbeat, now, out);
     }
 }
@@ -278,7 +279,7 @@ static void on_error_control(struct slave *self, const struct co_frame *frame, c
     if ((frame->flags & CO_FRAME_RTR) == 0)
         slave_consume_heartbeat(self, frame, now, out);
     else if (frame->id == NMT_ERROR_CONTROL_ID + self->node)
-        slave_answer_guarding(self, now, out);
+        slave_answer_guarding(self, frame, now, out);
 }
 
 void slave_on_frame(struct slave *self, const struct co_frame *frame, co_us_t now,
@@ -318,6 +319,6 @@ co_us_t slave_deadline(const struct slave *self)
     if (self->boot_up_due || self->consumers_due || self->state != self->told_state)
         return 0;
     deadline = co_earlier(deadline, sdo_server_deadline(&self->server));
-    deadline = co_earlier(deadline, self->guard.deadline);
+    deadline = co_earlier(deadline, guard_slave_deadline(&self->guard));
     return co_earlier(deadline, self->consumer_deadline);
 }

@@ -25,6 +25,7 @@
 #include "base/outbox.h"
 #include "od/od.h"
 #include "proto/emcy.h"
+#include "proto/guarding.h"
 #include "proto/heartbeat.h"
 #include "proto/nmt.h"
 #include "proto/sdo_server.h"
@@ -38,13 +39,6 @@ enum slave_event {
 struct slave_consumer; /* one entry of 1016h */
 struct slave_factory;  /* the values that 1011h "load" brings back */
 
-/* The master's node guarding of this device. */
-struct slave_guard {
-    bool toggle;      /* bit of the next answer */
-    bool lost;        /* the master is silent */
-    co_us_t deadline; /* of the next request; CO_NEVER: no life guarding */
-};
-
 struct slave {
     uint8_t node;
     uint8_t state;      /* enum nmt_state */
@@ -57,7 +51,7 @@ struct slave {
     struct emcy_producer emcy;
     uint8_t raised; /* bits of 1001h by slave_raise_error() */
     unsigned lost;  /* watched nodes, and the guarding master, that are silent */
-    struct slave_guard guard;
+    struct guard_slave guard;
     struct slave_consumer *consumers; /* the sub-indices 1.. of 1016h */
     unsigned consumer_count;
     bool consumers_due; /* a change found no room in the outbox */

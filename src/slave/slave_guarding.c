@@ -1,6 +1,6 @@
 #include "slave/slave_internal.h"
 
-#define TOGGLE_BIT 0x80u
+#include "proto/event.h"
 
 /* 0: the master may be silent for any time. */
 static co_us_t life_time(const struct od *od)
@@ -10,40 +10,65 @@ static co_us_t life_time(const struct od *od)
 
 void slave_reset_guarding(struct slave *self)
 {
-    self->guard = (struct slave_guard){ .deadline = CO_NEVER };
+    guard_slave_init(&self->guard, self->node);
+    self->guard.state = self->state;
 }
 
-/* A request that finds no room is not answered; the master asks again. */
-void slave_answer_guarding(struct slave *self, co_us_t now, struct co_outbox *out)
+/* What the machine has put out; there is room for what it means to the device. */
+static void pass_on(struct slave *self, struct co_outbox *inner, co_us_t now, struct co_outbox *out)
 {
-    const unsigned toggle = self->guard.toggle ? TOGGLE_BIT : 0;
-    const struct co_frame frame = nmt_error_control_frame(self->node,
-                                                          (uint8_t)(self->state | toggle));
-    const co_us_t life = life_time(self->od);
+    struct co_frame frame;
+    struct co_event event;
 
-    if (self->heartbeat.period > 0 || !co_outbox_room(out, 2, 1))
+    while (co_outbox_take_frame(inner, &frame))
+        co_outbox_put_frame(out, &frame);
+    while (co_outbox_take_event(inner, &event))
+        if (event.type == PROTO_LIFE_LOST)
+            slave_error_control_lost(self, now, out);
+        else
+            slave_error_control_back(self, now, out);
+}
+
+/* Steps the machine, with a frame or without; it has room where the device has room for more. */
+static void step(struct slave *self, const struct co_frame *request, co_us_t now,
+                 struct co_outbox *out)
+{
+    const unsigned room = co_outbox_room(out, 2, 2) ? 1 : 0;
+    struct co_frame frames[1];
+    struct co_event events[1];
+    struct co_outbox inner;
+
+    co_outbox_init(&inner, frames, room, events, room);
+    if (request != NULL)
+        guard_slave_on_frame(&self->guard, request, now, &inner);
+    else
+        guard_slave_on_time(&self->guard, now, &inner);
+    pass_on(self, &inner, now, out);
+}
+
+void slave_answer_guarding(struct slave *self, const struct co_frame *request, co_us_t now,
+                           struct co_outbox *out)
+{
+    if (self->heartbeat.period > 0)
         return;
-    co_outbox_put_frame(out, &frame);
-    self->guard.toggle = !self->guard.toggle;
-    if (self->guard.lost)
-        slave_error_control_back(self, now, out);
-    self->guard.lost = false;
-    self->guard.deadline = life > 0 ? now + life : CO_NEVER;
+    self->guard.life_time = life_time(self->od);
+    step(self, request, now, out);
 }
 
 void slave_watch_guarding(struct slave *self, co_us_t now, struct co_outbox *out)
 {
-    if (now < self->guard.deadline || !co_outbox_room(out, 1, 2))
-        return;
-    self->guard.deadline = CO_NEVER;
-    self->guard.lost = true;
-    slave_error_control_lost(self, now, out);
+    if (guard_slave_deadline(&self->guard) <= now)
+        step(self, NULL, now, out);
 }
 
-void slave_end_guarding(struct slave *self, co_us_t now, struct co_outbox *out)
+void slave_configure_guarding(struct slave *self, co_us_t now, struct co_outbox *out)
 {
-    self->guard.deadline = CO_NEVER;
-    if (self->guard.lost)
-        slave_error_control_back(self, now, out);
-    self->guard.lost = false;
+    struct co_event events[1];
+    struct co_outbox inner;
+
+    if (self->heartbeat.period == 0 && life_time(self->od) > 0)
+        return;
+    co_outbox_init(&inner, NULL, 0, events, 1);
+    guard_slave_stop(&self->guard, &inner);
+    pass_on(self, &inner, now, out);
 }

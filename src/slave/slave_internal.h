@@ -53,10 +53,15 @@ bool slave_history_lacks(const struct slave *self, const struct co_frame *reques
 
 /* slave_guarding.c: 100Ch, 100Dh. The life time runs from the first request on. */
 void slave_reset_guarding(struct slave *self);
-void slave_answer_guarding(struct slave *self, co_us_t now, struct co_outbox *out);
+void slave_answer_guarding(struct slave *self, const struct co_frame *request, co_us_t now,
+                           struct co_outbox *out);
 void slave_watch_guarding(struct slave *self, co_us_t now, struct co_outbox *out);
-/* A heartbeat of its own takes the place of guarding. Room: 1 event. */
-void slave_end_guarding(struct slave *self, co_us_t now, struct co_outbox *out);
+/*
+ * A heartbeat of its own takes the place of guarding, and without a life time there is none to
+ * watch: that ends life guarding at once. Another life time counts from the next request on. Room:
+ * 1 event.
+ */
+void slave_configure_guarding(struct slave *self, co_us_t now, struct co_outbox *out);
 
 /* slave.c */
 void slave_enter_state(struct slave *self, enum nmt_state state, struct co_outbox *out);

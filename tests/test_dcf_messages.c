@@ -253,6 +253,23 @@ static const struct {
       DCF_ERROR_OUT_OF_LIMITS,
       "51: error: 2000h:00 ParameterValue: (none) to 9223372036854775807 expected (its limits), "
       "there is 9223372036854775808\n" },
+    { "a double outside its limits",
+      OBJECT("2000", VAR("2000", "0x11", "rw") "HighLimit=1e300\nParameterValue=2e300\n"),
+      DCF_ERROR_OUT_OF_LIMITS,
+      "51: error: 2000h:00 ParameterValue: (none) to 1e+300 expected (its limits), there is "
+      "2e+300\n" },
+    { "a boolean that is none", OBJECT("2000", VAR("2000", "1", "rw") "ParameterValue=2\n"),
+      DCF_ERROR_OUT_OF_RANGE,
+      "50: error: [2000] ParameterValue: 0 or 1 in the range of BOOLEAN expected, there is "
+      "\"2\"\n" },
+    { "a fraction that is none", OBJECT("2000", VAR("2000", "8", "rw") "ParameterValue=1,5\n"),
+      DCF_ERROR_WRONG_PARAMETER,
+      "50: error: [2000] ParameterValue: a decimal fraction or a hexadecimal bit pattern (REAL32) "
+      "expected, there is \"1,5\"\n" },
+    { "a time that is none", OBJECT("2000", VAR("2000", "0xC", "rw") "ParameterValue=noon\n"),
+      DCF_ERROR_WRONG_PARAMETER,
+      "50: error: [2000] ParameterValue: days and milliseconds, or 12 hexadecimal digits "
+      "(TIME_OF_DAY) expected, there is \"noon\"\n" },
     { "a value of no type", OBJECT("2000", VAR("2000", "0x40", "rw") "ParameterValue=1\n"),
       DCF_ERROR_WRONG_PARAMETER,
       "48: warning: [2000] DataType: a data type of CiA 301 expected, there is 0x40: the entry "

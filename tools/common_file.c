@@ -1,14 +1,13 @@
 #include "common_file.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#define SUFFIX ".XXXXXX"
 
 static bool write_all(int file, const uint8_t *bytes, size_t size)
 {
@@ -57,16 +56,36 @@ static enum co_err write_temporary(char *temporary, const char *name, const uint
     return CO_ERR_IO;
 }
 
+/* Devices and pipes are written to, not replaced. */
+static bool is_special(const char *name)
+{
+    struct stat status;
+
+    return stat(name, &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
+}
+
+static enum co_err write_special(const char *name, const uint8_t *bytes, size_t size)
+{
+    int file = open(name, O_WRONLY | O_CLOEXEC);
+    bool good = file >= 0 && write_all(file, bytes, size);
+    int error = errno;
+
+    if (file >= 0)
+        close(file);
+    errno = error;
+    return good ? CO_OK : CO_ERR_IO;
+}
+
 enum co_err file_write(const char *name, const uint8_t *bytes, size_t size)
 {
-    char *temporary = malloc(strlen(name) + sizeof SUFFIX);
+    char *temporary;
     enum co_err err;
     int error;
 
-    if (!temporary)
+    if (is_special(name))
+        return write_special(name, bytes, size);
+    if (asprintf(&temporary, "%s.XXXXXX", name) < 0)
         return CO_ERR_MEMORY;
-    strcpy(temporary, name);
-    strcat(temporary, SUFFIX);
     err = write_temporary(temporary, name, bytes, size);
     error = errno;
     free(temporary);

@@ -107,13 +107,11 @@ static enum co_err read_beside(void *context, const char *name, uint8_t **ret_by
                                size_t *ret_size)
 {
     const char *folder = context;
-    char *path = malloc(strlen(folder) + strlen(name) + 1), *text = NULL;
+    char *path, *text = NULL;
     enum co_err err;
 
-    if (!path)
+    if (asprintf(&path, "%s%s", folder, name) < 0)
         return CO_ERR_MEMORY;
-    strcpy(path, folder);
-    strcat(path, name);
     err = file_read(path, &text, ret_size);
     if (err == CO_OK)
         *ret_bytes = (uint8_t *)text;
@@ -166,13 +164,11 @@ static char *default_output(const char *input)
 {
     const char *slash = strrchr(input, '/');
     const char *dot = strrchr(input, '.');
-    size_t size = dot && dot > (slash ? slash + 1 : input) ? (size_t)(dot - input) : strlen(input);
-    char *output = malloc(size + sizeof ".ccf");
+    bool ends = dot && dot > (slash ? slash + 1 : input);
+    char *output;
 
-    if (!output)
+    if (asprintf(&output, "%.*s.ccf", ends ? (int)(dot - input) : (int)strlen(input), input) < 0)
         return NULL;
-    memcpy(output, input, size);
-    strcpy(output + size, ".ccf");
     return output;
 }
 

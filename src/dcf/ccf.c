@@ -24,7 +24,7 @@ uint32_t ccf_count(const struct ccf *self)
     return self->size < COUNT_SIZE ? 0 : get_le32(self->bytes);
 }
 
-static enum co_err make_room(struct ccf *self, size_t more)
+static enum co_err make_room(struct ccf *self, uint64_t more)
 {
     size_t room = self->room < 64 ? 64 : self->room;
     uint8_t *bytes;
@@ -50,7 +50,7 @@ enum co_err ccf_append(struct ccf *self, uint16_t index, uint8_t sub, const uint
     uint32_t count = ccf_count(self);
     uint8_t *entry;
 
-    if (count == UINT32_MAX || make_room(self, (size_t)COUNT_SIZE + HEADER_SIZE + size) != CO_OK)
+    if (count == UINT32_MAX || make_room(self, (uint64_t)COUNT_SIZE + HEADER_SIZE + size) != CO_OK)
         return CO_ERR_MEMORY;
     entry = self->bytes + start;
     put_le16(entry, index);

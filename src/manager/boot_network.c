@@ -1,5 +1,7 @@
 #include "manager/boot_network.h"
 
+#define BOOT_UPS_PAUSE CO_MS(50)   /* so long after the last boot-up message they have all come */
+#define BOOT_UPS_LIMIT CO_MS(3000) /* ... and after this it is not the bus that keeps them */
 #define FIRST_REMINDER CO_MS(5000)
 #define LAST_REMINDER  CO_MS(60000)
 
@@ -277,7 +279,19 @@ static void on_resetting(struct manager *self, co_us_t now)
     } else if (send_all(self, (enum nmt_command)self->reset_command)) {
         self->reset_due = false;
         self->deadline = now + CO_MS(self->config->boot_delay);
+        self->deadline_max = self->deadline + BOOT_UPS_LIMIT;
     }
+}
+
+/*
+ * On a slow bus many boot-up messages take longer than the boot delay. They have the
+ * lowest priority: with SDO requests on the bus a node could neither send its own nor, behind it, an
+ * answer.
+ */
+void boot_network_on_boot_up(struct manager *self, co_us_t now)
+{
+    if (!self->reset_due && self->deadline < now + BOOT_UPS_PAUSE)
+        self->deadline = co_earlier(now + BOOT_UPS_PAUSE, self->deadline_max);
 }
 
 /* It has waited for room: all may be different now. */

@@ -29,6 +29,8 @@ void boot_network_start_each(struct manager *self, co_us_t now);
 bool boot_network_is_ready(struct manager *self);
 /* NMT stop for all, the manager too. */
 void boot_network_stop(struct manager *self, co_us_t now);
+/* A boot-up message in the boot delay. */
+void boot_network_on_boot_up(struct manager *self, co_us_t now);
 void boot_network_on_time(struct manager *self, co_us_t now);
 co_us_t boot_network_deadline(const struct manager *self);
 

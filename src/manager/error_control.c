@@ -16,8 +16,10 @@ static void on_boot_up(struct manager *self, uint8_t node_id, co_us_t now)
     if (!node->config)
         return;
     boot_node_on_boot_up(node);
+    if (self->state == NETWORK_RESETTING)
+        boot_network_on_boot_up(self, now); /* booted at the end of the boot delay */
     if (self->state == NETWORK_OFF || self->state == NETWORK_RESETTING)
-        return; /* it will be booted at the end of the boot delay */
+        return;
     if (!boot_node_is_booted_by_master(node) || !node->config->auto_start_slave)
         return;
     if (node->step != BOOT_RESET)

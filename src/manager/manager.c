@@ -141,7 +141,7 @@ static void on_foreign_command(struct manager *self, const struct co_frame *fram
  * A start command has got on the wire behind the news that its node has restarted: the node is
  * operational without its configuration.
  */
-static void on_own_frame(struct manager *self, const struct co_frame *frame, co_us_t now)
+static void on_own_command(struct manager *self, const struct co_frame *frame, co_us_t now)
 {
     if (frame->id != NMT_CAN_ID || frame->data[0] != NMT_START)
         return;
@@ -152,15 +152,32 @@ static void on_own_frame(struct manager *self, const struct co_frame *frame, co_
     }
 }
 
+/* On a slow bus requests queue for seconds; none of them is stuck as long as one gets through. */
+static void on_own_request(struct manager *self, co_us_t now)
+{
+    for (uint8_t node = 1; node <= NETWORK_NODE_MAX; node++)
+        sdo_client_on_progress(&self->channels[node].client, now);
+}
+
+static void on_own_frame(struct manager *self, const struct co_frame *frame, co_us_t now)
+{
+    if (is_in_range(frame, SDO_REQUEST_ID)) {
+        on_own_request(self, now);
+        sdo_client_on_frame(&self->channels[frame->id & 0x7Fu].client, frame, now, &self->inner);
+    } else {
+        on_own_command(self, frame, now);
+    }
+}
+
 static void dispatch(struct manager *self, const struct co_frame *frame, co_us_t now)
 {
     uint32_t node = frame->id & 0x7Fu;
     bool own = (frame->flags & CO_FRAME_OWN) != 0;
 
-    if (is_in_range(frame, SDO_RESPONSE_ID) || (own && is_in_range(frame, SDO_REQUEST_ID)))
-        sdo_client_on_frame(&self->channels[node].client, frame, now, &self->inner);
-    else if (own)
+    if (own)
         on_own_frame(self, frame, now);
+    else if (is_in_range(frame, SDO_RESPONSE_ID))
+        sdo_client_on_frame(&self->channels[node].client, frame, now, &self->inner);
     else if (is_in_range(frame, NMT_ERROR_CONTROL_ID))
         error_control_on_frame(self, frame, now);
     else if (is_in_range(frame, EMCY_CAN_ID))

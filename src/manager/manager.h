@@ -54,9 +54,10 @@ struct manager {
     bool start_all_due; /* NMT start all is still to be sent */
     bool stop_all_due;  /* NMT stop all is still to be sent */
     uint8_t reset_command;
-    co_us_t deadline;   /* RESETTING: end of the boot delay */
-    co_us_t boot_limit; /* BOOTING: end of Boot_Time, CO_NEVER: none */
-    co_us_t reminder;   /* BOOTING: when to tell again who is missing */
+    co_us_t deadline;     /* RESETTING: end of the boot delay */
+    co_us_t deadline_max; /* ... which boot-up messages may put off until then */
+    co_us_t boot_limit;   /* BOOTING: end of Boot_Time, CO_NEVER: none */
+    co_us_t reminder;     /* BOOTING: when to tell again who is missing */
     co_us_t reminder_interval;
     struct co_outbox inner; /* of the machines inside */
     struct co_frame inner_frames[MANAGER_INNER_FRAMES];

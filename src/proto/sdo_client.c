@@ -410,6 +410,12 @@ void sdo_client_on_frame(struct sdo_client *self, const struct co_frame *frame, 
         on_own(self, frame, now);
 }
 
+void sdo_client_on_progress(struct sdo_client *self, co_us_t now)
+{
+    if ((self->state == SDO_CLIENT_INITIATE || self->state == SDO_CLIENT_SEGMENT) && !self->on_wire)
+        self->deadline = now + SDO_SEND_TIMEOUT;
+}
+
 void sdo_client_on_time(struct sdo_client *self, co_us_t now, struct co_outbox *out)
 {
     switch ((enum sdo_client_state)self->state) {

@@ -92,6 +92,12 @@ void sdo_client_start(struct sdo_client *self, const struct sdo_transfer *transf
  */
 bool sdo_client_cancel(struct sdo_client *self, sdo_abort_t code, struct co_outbox *out);
 
+/*
+ * Other frames of the same sender have got on the wire: the request is not stuck, only queued behind
+ * them. Its time limit to get there starts anew.
+ */
+void sdo_client_on_progress(struct sdo_client *self, co_us_t now);
+
 /* Takes the server's answers and the own requests; ignores all other frames. */
 void sdo_client_on_frame(struct sdo_client *self, const struct co_frame *frame, co_us_t now,
                          struct co_outbox *out);

@@ -75,7 +75,7 @@ void sim_power(struct sim *self, struct sim_device *device, bool on)
     take_events(self, device);
 }
 
-static co_us_t frame_time(const struct sim *self, const struct co_frame *frame)
+co_us_t sim_frame_time(const struct sim *self, const struct co_frame *frame)
 {
     unsigned bytes = frame->flags & CO_FRAME_RTR ? 0 : frame->dlc;
     unsigned bits = 47 + 8 * bytes + (33 + 8 * bytes) / 4;
@@ -168,7 +168,7 @@ static void begin_frame(struct sim *self)
         return;
     co_outbox_take_frame(&self->devices[winner].box, &self->on_wire);
     self->sending = winner;
-    self->wire_free = self->now + frame_time(self, &self->on_wire);
+    self->wire_free = self->now + sim_frame_time(self, &self->on_wire);
     self->busy += self->wire_free - self->now;
 }
 

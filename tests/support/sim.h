@@ -76,6 +76,8 @@ void sim_say(struct sim *self, const char *frame);
 struct co_outbox *sim_box(struct sim *self, struct sim_device *device);
 /* The trace as candump text "(seconds) sim ID#DATA", to be freed. */
 char *sim_trace_text(const struct sim *self);
+/* How long the wire is busy with a frame. */
+co_us_t sim_frame_time(const struct sim *self, const struct co_frame *frame);
 /* Frames in the trace with this CAN-ID. */
 size_t sim_count(const struct sim *self, uint32_t id);
 

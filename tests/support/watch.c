@@ -7,6 +7,7 @@
 #include <string.h>
 
 #define LAST_FRAMES 30u
+#define LAST_EVENTS 3000u /* characters */
 
 static char *last_frames(const struct plant *plant)
 {
@@ -19,6 +20,13 @@ static char *last_frames(const struct plant *plant)
     return sim_trace_text(&part);
 }
 
+static const char *last_events(const struct plant *plant)
+{
+    size_t size = strlen(plant->events);
+
+    return plant->events + (size > LAST_EVENTS ? size - LAST_EVENTS : 0);
+}
+
 static void check(const struct plant *plant, bool ok, uint8_t node, const char *what)
 {
     char *text;
@@ -26,7 +34,7 @@ static void check(const struct plant *plant, bool ok, uint8_t node, const char *
     if (ok)
         return;
     text = last_frames(plant);
-    ck_abort_msg("%s: node %u: %s\n%s%s", plant->name, node, what, text, plant->events);
+    ck_abort_msg("%s: node %u: %s\n%s%s", plant->name, node, what, text, last_events(plant));
     free(text);
 }
 

@@ -82,7 +82,7 @@ static const struct make makes[] = {
       U8("2001", P("1")) U8("2000", P("2")) RECORD("3000") U8("3000subA", P("10"))
           U8("3000sub2", P("2")),
       "2000:00 02\n2001:00 01\n3000:02 02\n3000:0A 0A\n", "" },
-    { "the example of CiA 306",
+    { "the reference example",
       U16("1017", D("0") P("500")) RPDO(D("$NODEID+0x200") P("$NODEID+0x200"))
           U8("1400sub2", D("255") P("1")),
       "1017:00 F401\n1400:01 05020080\n1400:02 01\n1400:01 05020000\n", "" },

@@ -161,15 +161,17 @@ test_preset()
     return $status
 }
 
-# Check's summaries of the log of ctest; a program without one is one test.
+# Check's summaries of the log of ctest; a program without one is one test, or none where it says
+# that it was not run.
 count_cases()
 {
     awk '
         function close_test() {
-            if (open && cases == 0) { ok ? good++ : bad++ }
+            if (open && cases == 0 && !(ok && left_out)) { ok ? good++ : bad++ }
             else if (open && !ok && errors == 0) bad++
-            open = cases = errors = 0
+            open = cases = errors = left_out = 0
         }
+        / NOT RUN: / { left_out = 1; print }
         /^[0-9]+\/[0-9]+ Testing: / { close_test(); open = 1; ok = 0 }
         /^[0-9]+%: Checks: [0-9]+, Failures: [0-9]+, Errors: [0-9]+$/ {
             split($0, n, /[^0-9]+/)

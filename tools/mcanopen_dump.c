@@ -4,22 +4,57 @@
 #include "verbs.h"
 
 #include "port/bus.h"
-#include "port/clock.h"
+#include "port/thread.h"
 
 #include <getopt.h>
+#include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
 
 static const char usage[] =
     "usage: mcanopen dump [options] BUS\n"
     "\n"
     "Prints each frame as \"(seconds) BUS ID#DATA\", the log format of candump -L.\n"
-    "The time is that of the monotonic clock.\n"
+    "The time is that of the monotonic clock. Tells on stderr when it listens. Ctrl-C ends it,\n"
+    "with all printed that came until then.\n"
     "\n"
     "  -n, --count N    end after N frames\n"
     "  -h, --help       this text\n"
     "\n"
-    "Exit codes: 0 ended by -n, 2 usage, 3 bus error.\n";
+    "Exit codes: 0 ended by -n or Ctrl-C, 2 usage, 3 bus error.\n";
+
+struct dump {
+    const char *name;
+    unsigned long count; /* 0: without end */
+    struct bus *bus;
+    int signals;
+    atomic_bool interrupted;
+    struct co_thread watcher;
+};
+
+/* A signal, or end() at the end, ends the wait for frames. */
+static void *watch_signals(void *context)
+{
+    struct dump *self = context;
+    struct signalfd_siginfo info;
+    ssize_t size = read(self->signals, &info, sizeof info);
+
+    (void)size;
+    atomic_store(&self->interrupted, true);
+    bus_wake(self->bus);
+    return NULL;
+}
+
+static void end(struct dump *self)
+{
+    kill(getpid(), SIGTERM); /* blocked: it only reaches the watcher */
+    thread_join(&self->watcher);
+    close(self->signals);
+    bus_close(self->bus);
+}
 
 static void print(const char *bus, const struct bus_rx *rx)
 {
@@ -33,23 +68,51 @@ static void print(const char *bus, const struct bus_rx *rx)
     fflush(stdout);
 }
 
-static int dump(struct bus *bus, const char *name, unsigned long count)
+static int dump(struct dump *self)
 {
     struct bus_rx rx;
-    enum co_err err = CO_OK;
+    bool last = false; /* what is there when the signal came is printed still */
 
-    for (unsigned long i = 0; count == 0 || i < count;) {
-        err = bus_receive(bus, &rx);
-        if (err == CO_ERR_AGAIN)
-            err = bus_wait(bus, CO_NEVER);
-        else if (err == CO_OK && ++i)
-            print(name, &rx);
+    for (unsigned long i = 0; self->count == 0 || i < self->count;) {
+        enum co_err err = bus_receive(self->bus, &rx);
+
+        if (err == CO_OK && ++i)
+            print(self->name, &rx);
+        if (err == CO_ERR_AGAIN && last)
+            break;
+        if (err == CO_ERR_AGAIN) {
+            last = atomic_load(&self->interrupted);
+            err = last ? CO_OK : bus_wait(self->bus, CO_NEVER);
+        }
         if (err != CO_OK) {
-            fprintf(stderr, "%s: %s\n", name, co_err_text(err));
+            fprintf(stderr, "%s: %s\n", self->name, co_err_text(err));
             return EXIT_BUS;
         }
     }
     return EXIT_UP;
+}
+
+static int listen_to_bus(struct dump *self)
+{
+    struct bus_options options = { .own_frames = false };
+    char message[512] = "";
+    int result;
+
+    if (bus_open(self->name, &options, &self->bus, message, sizeof message) != CO_OK) {
+        fprintf(stderr, "mcanopen dump: %s\n", message);
+        return EXIT_BUS;
+    }
+    self->signals = stop_signals();
+    if (self->signals < 0 ||
+        thread_start(&self->watcher, "signals", watch_signals, self) != CO_OK) {
+        fprintf(stderr, "mcanopen dump: out of resources\n");
+        bus_close(self->bus);
+        return EXIT_BUS;
+    }
+    fprintf(stderr, "mcanopen dump: listening on %s\n", self->name);
+    result = dump(self);
+    end(self);
+    return result;
 }
 
 int verb_dump(int argc, char **argv)
@@ -57,15 +120,12 @@ int verb_dump(int argc, char **argv)
     static const struct option options[] = { { "count", required_argument, NULL, 'n' },
                                              { "help", no_argument, NULL, 'h' },
                                              { NULL, 0, NULL, 0 } };
-    struct bus_options bus_options = { .own_frames = false };
-    unsigned long count = 0;
-    char message[512] = "";
-    struct bus *bus;
-    int option, result;
+    struct dump self = { .count = 0 };
+    int option;
 
     while ((option = getopt_long(argc, argv, "n:h", options, NULL)) != -1) {
         if (option == 'n') {
-            count = strtoul(optarg, NULL, 10);
+            self.count = strtoul(optarg, NULL, 10);
         } else {
             fputs(usage, option == 'h' ? stdout : stderr);
             return option == 'h' ? EXIT_UP : EXIT_USAGE;
@@ -75,11 +135,6 @@ int verb_dump(int argc, char **argv)
         fputs(usage, stderr);
         return EXIT_USAGE;
     }
-    if (bus_open(argv[optind], &bus_options, &bus, message, sizeof message) != CO_OK) {
-        fprintf(stderr, "mcanopen dump: %s\n", message);
-        return EXIT_BUS;
-    }
-    result = dump(bus, argv[optind], count);
-    bus_close(bus);
-    return result;
+    self.name = argv[optind];
+    return listen_to_bus(&self);
 }

@@ -1,0 +1,254 @@
+"""The real programs on a bus of the test's own: what all system tests share.
+
+    MCANOPEN_TOOLS       folder of mcanopen, dcf2ccf (given by ctest)
+    MCANOPEN_TEST_BUS    a CAN interface in place of virtual buses; candump takes the log there
+    MCANOPEN_TEST_WRAP   words before "mcanopen boot" and "mcanopen sim", as "valgrind -q ..."
+    MCANOPEN_TEST_LIMIT  seconds that something awaited may take (60): only a failure takes them
+    TEST_CORPUS_DIR      the corpus of real EDS and DCF files
+
+Nothing here sleeps to be right: a test waits for lines of the programs' output, for frames, or for
+the end of a process.
+"""
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+DATA = HERE.parent / "data"
+TOOLS = Path(os.environ.get("MCANOPEN_TOOLS", ROOT / "build" / "debug" / "tools"))
+MCANOPEN = str(TOOLS / "mcanopen")
+WRAP = os.environ.get("MCANOPEN_TEST_WRAP", "").split()
+LIMIT = float(os.environ.get("MCANOPEN_TEST_LIMIT", "60"))
+CORPUS = Path(os.environ.get("TEST_CORPUS_DIR", ROOT.parent / "shared" / "corpus" / "open"))
+SKIPPED = 77  # exit code that ctest is told to take for "not run"
+
+
+def say(text):
+    print(f"    {text}", flush=True)
+
+
+class Stream:
+    """The lines of a pipe, as they come."""
+
+    def __init__(self, pipe, news):
+        self.pipe, self.news = pipe, news
+        self.lines, self.ended = [], False
+        self.thread = threading.Thread(target=self._read, daemon=True)
+        self.thread.start()
+
+    def _read(self):
+        for line in self.pipe:
+            with self.news:
+                self.lines.append(line.rstrip("\n"))
+                self.news.notify_all()
+        with self.news:
+            self.ended = True
+            self.news.notify_all()
+
+    def text(self):
+        with self.news:
+            return "\n".join(self.lines)
+
+
+class Process:
+    """A program of ours that runs; it is ended by its own id, at the latest with the test."""
+
+    def __init__(self, command, bus=None, cwd=None):
+        self.command = command
+        environment = dict(os.environ, MCANOPEN_NET_0=bus) if bus else None
+        self.popen = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                      stdin=subprocess.DEVNULL, text=True, errors="replace",
+                                      env=environment, cwd=cwd)
+        news = threading.Condition()
+        self.out, self.err = Stream(self.popen.stdout, news), Stream(self.popen.stderr, news)
+        self.news = news
+
+    def _await(self, is_reached, what):
+        deadline = time.monotonic() + LIMIT
+        with self.news:
+            while not is_reached():
+                ended = self.out.ended and self.err.ended
+                left = deadline - time.monotonic()
+                if ended or left <= 0:
+                    raise AssertionError(f"{'ended' if ended else f'{LIMIT:g} s over'} without"
+                                         f" {what}\n{self.story()}")
+                self.news.wait(left)
+
+    def wait_for(self, text, where=None, times=1):
+        """Until 'times' lines have the text in it."""
+        stream = where or self.out
+        self._await(lambda: sum(text in line for line in stream.lines) >= times, f'"{text}"')
+
+    def wait_until(self, judge, what):
+        """Until judge(lines of stdout) is true."""
+        self._await(lambda: judge(self.out.lines), what)
+
+    def wait(self):
+        """The exit code."""
+        try:
+            code = self.popen.wait(LIMIT)
+        except subprocess.TimeoutExpired:
+            raise AssertionError(f"still runs after {LIMIT:g} s\n{self.story()}") from None
+        for stream in (self.out, self.err):
+            stream.thread.join(LIMIT)
+        return code
+
+    def stop(self, number=signal.SIGTERM):
+        if self.popen.poll() is None:
+            self.popen.send_signal(number)
+        return self.wait()
+
+    def kill(self):
+        if self.popen.poll() is None:
+            self.popen.kill()
+        self.popen.wait()
+
+    def close(self):
+        self.kill()
+        for stream in (self.out, self.err):
+            stream.thread.join(LIMIT)
+            stream.pipe.close()
+
+    def story(self):
+        return (f"$ {' '.join(map(str, self.command))}\nstdout:\n" + "\n".join(self.out.lines) +
+                "\nstderr:\n" + "\n".join(self.err.lines))
+
+
+class Bus:
+    """A virtual bus of this test alone, or the interface that the environment names."""
+
+    made = 0
+
+    def __init__(self):
+        Bus.made += 1
+        self.interface = os.environ.get("MCANOPEN_TEST_BUS")
+        self.name = self.interface or f"virtual:system-{os.getpid()}-{Bus.made}"
+
+    def file(self):
+        return Path("/dev/shm") / f"mcanopen-{os.geteuid()}-{self.name.partition(':')[2]}"
+
+
+class Dump:
+    """The log of a bus: mcanopen dump, or candump on an interface."""
+
+    def __init__(self, test, bus):
+        self.test, self.bus = test, bus
+        command = ["candump", "-L", bus.name] if bus.interface else [MCANOPEN, "dump", bus.name]
+        self.process = test.start(command)
+        if bus.interface:
+            self._await_receiver()
+        else:
+            self.process.wait_for("listening on", self.process.err)
+
+    def _await_receiver(self):
+        deadline = time.monotonic() + LIMIT
+        receivers = Path("/proc/net/can/rcvlist_all")
+        while self.bus.interface not in receivers.read_text().split("(", 1)[-1].replace(
+                "any: no entry", ""):
+            self.test.assertLess(time.monotonic(), deadline, "candump does not receive")
+            time.sleep(0.01)
+
+    def frames(self):
+        """What came until now, as "ID#DATA"."""
+        return [line.split()[2] for line in self.process.out.text().splitlines()]
+
+    def wait_for(self, frame, times=1):
+        self.process.wait_for(f" {frame}", times=times)
+
+    def end(self):
+        """Everything that was on the bus until now."""
+        if self.bus.interface:
+            self.test.run_command(["cansend", self.bus.interface, "7FF#"])
+            self.wait_for("7FF#")
+        self.process.stop()
+        self.test.assertNotIn("lost", self.process.err.text())
+        return [frame for frame in self.frames() if frame != "7FF#"]
+
+
+class PlantTest(unittest.TestCase):
+    """A test with a folder, a bus, and processes that end with it."""
+
+    def setUp(self):
+        self.bus = Bus()
+        self.folder = Path(tempfile.mkdtemp(prefix="mcanopen-system-"))
+        self.processes = []
+        self.addCleanup(self._clean_up)
+        print(f"  {self.id().split('.', 1)[-1]}: {self.shortDescription() or ''}", flush=True)
+
+    def _clean_up(self):
+        for process in self.processes:
+            process.close()
+        if not self.bus.interface:
+            self.bus.file().unlink(missing_ok=True)  # where a process was killed
+        shutil.rmtree(self.folder)
+
+    def write(self, name, text):
+        path = self.folder / name
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    def start(self, command, cwd=None):
+        process = Process([str(word) for word in command], self.bus.name, cwd)
+        self.processes.append(process)
+        return process
+
+    def run_command(self, command, cwd=None):
+        process = self.start(command, cwd)
+        process.code = process.wait()
+        return process
+
+    def dump(self):
+        return Dump(self, self.bus)
+
+    def start_sim(self, *arguments):
+        """Returns when the devices are on the bus."""
+        process = self.start([*WRAP, MCANOPEN, "sim", "-q", "--bus", self.bus.name, *arguments])
+        process.wait_for("simulated device")
+        return process
+
+    def start_boot(self, *arguments):
+        return self.start([*WRAP, MCANOPEN, "boot", *arguments])
+
+    def boot(self, *arguments, code=0):
+        """Runs it to its end, which must have this exit code."""
+        process = self.start_boot(*arguments)
+        self.assertEqual(process.wait(), code, process.story())
+        return process
+
+    def assert_stopped(self, process, number=signal.SIGTERM):
+        self.assertEqual(process.stop(number), 0, process.story())
+
+
+class _Result(unittest.TextTestResult):
+    def startTest(self, test):
+        self.begin = time.monotonic()
+        super().startTest(test)
+
+    def stopTest(self, test):
+        print(f"    {time.monotonic() - self.begin:.2f} s", flush=True)
+        super().stopTest(test)
+
+    def addSkip(self, test, reason):
+        super().addSkip(test, reason)
+        print(f"    NOT RUN: {reason}", flush=True)
+
+
+def main(module="__main__"):
+    """Runs the tests of a file; the line at the end is what tests/run.sh counts."""
+    suite = unittest.defaultTestLoader.loadTestsFromName(module)
+    result = unittest.TextTestRunner(stream=sys.stdout, resultclass=_Result, verbosity=0).run(suite)
+    ran = result.testsRun - len(result.skipped)
+    failures, errors = len(result.failures), len(result.errors)
+    good = 100 * (ran - failures - errors) // ran if ran else 100
+    print(f"{good}%: Checks: {ran}, Failures: {failures}, Errors: {errors}", flush=True)
+    if not result.wasSuccessful():
+        sys.exit(1)
+    sys.exit(0 if ran else SKIPPED)

@@ -56,13 +56,35 @@ int error_of_command(enum co_err err)
     return error_of(err, MCAL_NODE_NOT_FREE);
 }
 
-int error_of_sdo(const struct co_event *result)
+int error_of_bus_state(enum bus_state state)
+{
+    switch (state) {
+    case BUS_OFF: return MCAL_CAN_CONTR_OFF_BUS;
+    case BUS_DOWN: return MCAL_CAN_TX_ERROR;
+    case BUS_ACTIVE:
+    case BUS_WARNING:
+    case BUS_PASSIVE: return MCANOPEN_OK;
+    }
+    return MCANOPEN_OK;
+}
+
+/* A frame that did not get out in time. */
+static int error_of_unsent(enum bus_state state)
+{
+    int result = error_of_bus_state(state);
+
+    if (result != MCANOPEN_OK)
+        return result;
+    return state == BUS_PASSIVE ? MCAL_CAN_CONTR_WARN : MCAL_CAN_TX_TIMEOUT;
+}
+
+int error_of_sdo(const struct co_event *result, enum bus_state state)
 {
     switch ((enum sdo_outcome)result->detail) {
     case SDO_OUTCOME_OK: return MCANOPEN_OK;
     case SDO_OUTCOME_ABORTED: return MCAL_ABORT_DOMAIN;
     case SDO_OUTCOME_NO_ANSWER: return MCAL_CAN_RX_TIMEOUT;
-    case SDO_OUTCOME_NOT_SENT: return MCAL_CAN_TX_TIMEOUT;
+    case SDO_OUTCOME_NOT_SENT: return error_of_unsent(state);
     case SDO_OUTCOME_TOGGLE: return MCAL_TOGGLE_ERROR;
     case SDO_OUTCOME_PROTOCOL: return MCAL_WRONG_SERVER_ANSWER;
     case SDO_OUTCOME_OVERFLOW: return MCAL_BUFFER_OVERFLOW;

@@ -15,7 +15,6 @@ static int command(int net, int node, enum nmt_command nmt)
 {
     struct managed *managed;
     struct co_outbox *out;
-    enum co_err err;
     co_us_t now;
     int result;
 
@@ -26,9 +25,11 @@ static int command(int net, int node, enum nmt_command nmt)
         return result;
     if (managed->config->nmt_master) {
         out = network_enter(managed->network, &now);
-        err = manager_command(managed->manager, nmt, (uint8_t)node, now, out);
+        result = error_of_bus_state(network_bus_state(managed->network));
+        if (result == MCANOPEN_OK)
+            result = error_of_command(
+                manager_command(managed->manager, nmt, (uint8_t)node, now, out));
         network_leave(managed->network, managed->config->manager_node_id);
-        result = error_of_command(err);
     } else {
         result = MCAL_NODE_NOT_FREE;
     }

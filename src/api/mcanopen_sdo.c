@@ -33,27 +33,41 @@ static co_us_t timeout_of(const struct managed *managed, int node, co_us_t other
     return config ? CO_MS(config->sdo_timeout) : otherwise;
 }
 
+/* Under the network's lock. What the protocol cannot know: the network went away, or the bus. */
+static int wait_for_end(struct managed *managed, struct sdo_request *request)
+{
+    enum co_err err = CO_OK;
+
+    while (request->state != REQUEST_DONE) {
+        if (err == CO_ERR_STATE)
+            return MCAL_NO_NET;
+        if (network_bus_state(managed->network) == BUS_OFF)
+            return MCAL_CAN_CONTR_OFF_BUS;
+        err = network_wait(managed->network, managed->config->manager_node_id, CO_NEVER);
+    }
+    return error_of_sdo(&request->result, network_bus_state(managed->network));
+}
+
 /* Waits in the queue of the node's channel and for its end; no time-out but the protocol's own. */
 static int transfer(struct managed *managed, const struct call *call, struct sdo_request *request)
 {
-    uint8_t self = managed->config->manager_node_id;
     uint8_t node = (uint8_t)call->node;
     struct co_outbox *out;
-    enum co_err err = CO_OK;
     co_us_t now;
+    int result;
 
     out = network_enter(managed->network, &now);
     manager_submit(managed->manager, node, request, now, out);
-    while (request->state != REQUEST_DONE && err != CO_ERR_STATE)
-        err = network_wait(managed->network, self, CO_NEVER);
-    if (request->state != REQUEST_DONE)
+    result = wait_for_end(managed, request);
+    if (request->state != REQUEST_DONE) { /* time has passed: anew, for it to be right */
+        network_leave(managed->network, managed->config->manager_node_id);
+        out = network_enter(managed->network, &now);
         manager_cancel(managed->manager, node, request, now, out);
-    network_leave(managed->network, self);
-    if (request->state != REQUEST_DONE)
-        return MCAL_NO_NET;
-    if (request->result.detail == SDO_OUTCOME_ABORTED)
+    }
+    network_leave(managed->network, managed->config->manager_node_id);
+    if (result == MCAL_ABORT_DOMAIN)
         error_set(call->error, request->result.code);
-    return error_of_sdo(&request->result);
+    return result;
 }
 
 static int run(const struct call *call, struct sdo_request *request, co_us_t timeout)

@@ -1,16 +1,16 @@
 #include "runtime/network.h"
 
 #include "port/clock.h"
+#include "runtime/tx_queue.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#define OUT_FRAMES    512u
-#define OUT_EVENTS    512u
-#define TX_QUEUE_SIZE 1024u
-#define RX_BURST      64u         /* frames handled before the lock is given once */
-#define TX_RETRY      CO_MS(1)    /* the bus had no room */
-#define TX_GIVE_UP    CO_MS(2000) /* for the oldest frame */
+#define OUT_FRAMES 512u
+#define OUT_EVENTS 512u
+#define RX_BURST   64u        /* frames handled before the lock is given once */
+#define TX_RETRY   CO_MS(1)   /* the bus had no room */
+#define BUS_RETRY  CO_MS(100) /* it is down, or off: nothing may wake us when it comes back */
 
 /* What a manager and a slave have in common: the machine's form. */
 struct device {
@@ -31,16 +31,12 @@ struct network {
     struct co_outbox out; /* of the device being run */
     struct co_frame out_frames[OUT_FRAMES];
     struct co_event out_events[OUT_EVENTS];
-    struct co_outbox tx; /* frames only: wait for the bus */
-    struct co_frame tx_frames[TX_QUEUE_SIZE];
-    struct co_frame tx_head; /* taken from tx, the next to be sent */
-    bool has_tx_head;
-    co_us_t tx_retry;   /* CO_NEVER: nothing waits */
-    co_us_t tx_give_up; /* of tx_head */
-    unsigned tx_lost;   /* to be told */
-    enum bus_state bus_state;
-    bool has_events;    /* since the last signal of changed */
-    co_us_t last_frame; /* time of the frame delivered last */
+    struct tx_queue tx;
+    co_us_t tx_retry; /* CO_NEVER: nothing waits */
+    bool send_fails, receive_fails;
+    enum bus_state bus_state; /* as told */
+    bool has_events;          /* since the last signal of changed */
+    co_us_t last_frame;       /* time of the frame delivered last */
 };
 
 /* --- devices --- */
@@ -84,8 +80,12 @@ static void tell(struct network *self, struct co_event event)
         self->options.sink(self->options.context, self, &event);
 }
 
-static void set_bus_state(struct network *self, enum bus_state state)
+static void look_at_bus(struct network *self)
 {
+    enum bus_state state = bus_get_state(self->bus);
+
+    if ((self->send_fails || self->receive_fails) && state < BUS_OFF)
+        state = BUS_DOWN;
     if (state == self->bus_state)
         return;
     self->bus_state = state;
@@ -93,57 +93,45 @@ static void set_bus_state(struct network *self, enum bus_state state)
 }
 
 /* True while the bus keeps up. */
-static bool send_head(struct network *self, co_us_t now)
+static bool send_frame(struct network *self, const struct co_frame *frame)
 {
-    enum co_err err = bus_send(self->bus, &self->tx_head);
+    enum co_err err = bus_send(self->bus, frame);
 
-    if (err == CO_OK) {
-        self->has_tx_head = false;
-        set_bus_state(self, bus_get_state(self->bus));
-        return true;
-    }
-    if (err != CO_ERR_AGAIN)
-        set_bus_state(self, BUS_DOWN);
-    if (now >= self->tx_give_up) {
-        self->has_tx_head = false;
-        self->tx_lost++;
-    }
-    return false;
+    self->send_fails = err != CO_OK && err != CO_ERR_AGAIN;
+    if (err == CO_OK)
+        tx_queue_sent(&self->tx);
+    return err == CO_OK;
 }
 
 static void flush_tx(struct network *self, co_us_t now)
 {
+    const struct co_frame *frame;
+    unsigned lost;
+
     self->tx_retry = CO_NEVER;
-    for (;;) {
-        if (!self->has_tx_head) {
-            if (!co_outbox_take_frame(&self->tx, &self->tx_head))
-                break;
-            self->has_tx_head = true;
-            self->tx_give_up = now + TX_GIVE_UP;
-        }
-        if (!send_head(self, now)) {
+    while ((frame = tx_queue_first(&self->tx)) != NULL) {
+        if (!send_frame(self, frame) && !tx_queue_give_up(&self->tx, now)) {
             self->tx_retry = now + TX_RETRY;
             break;
         }
     }
-    if (self->tx_lost > 0) {
-        tell(self, (struct co_event){ .type = RUNTIME_UNSENT, .actual = self->tx_lost });
-        self->tx_lost = 0;
-    }
+    if (!frame)
+        self->send_fails = false; /* who knows: the next one will show */
+    lost = tx_queue_take_lost(&self->tx);
+    if (lost > 0)
+        tell(self, (struct co_event){ .type = RUNTIME_UNSENT, .actual = lost });
+    look_at_bus(self);
 }
 
 /* Takes what a device has put out; a full queue costs frames, with a count, never time. */
-static void drain(struct network *self, uint8_t node)
+static void drain(struct network *self, uint8_t node, co_us_t now)
 {
     struct co_frame frame;
     struct co_event event;
 
     while (co_outbox_take_frame(&self->out, &frame)) {
         frame.tag = node;
-        if (co_outbox_room(&self->tx, 1, 0))
-            co_outbox_put_frame(&self->tx, &frame);
-        else
-            self->tx_lost++;
+        tx_queue_put(&self->tx, &frame, now);
     }
     while (co_outbox_take_event(&self->out, &event))
         tell(self, event);
@@ -164,7 +152,7 @@ static void deliver(struct network *self, const struct bus_rx *rx)
         if (sent_here && frame.tag == device->node)
             frame.flags |= CO_FRAME_OWN;
         device_on_frame(device, &frame, rx->time, &self->out);
-        drain(self, device->node);
+        drain(self, device->node, rx->time);
     }
 }
 
@@ -182,8 +170,7 @@ static bool receive_burst(struct network *self)
         self->last_frame = rx.time;
         deliver(self, &rx);
     }
-    if (err != CO_OK && err != CO_ERR_AGAIN)
-        set_bus_state(self, BUS_DOWN);
+    self->receive_fails = err != CO_OK && err != CO_ERR_AGAIN;
     return err == CO_OK;
 }
 
@@ -196,7 +183,7 @@ static co_us_t run_due(struct network *self, co_us_t now)
 
         if (device_deadline(device) <= now) {
             device_on_time(device, now, &self->out);
-            drain(self, device->node);
+            drain(self, device->node, now);
         }
         next = co_earlier(next, device_deadline(device));
     }
@@ -239,6 +226,8 @@ static void *run(void *context)
         deadline = run_due(self, now);
         flush_tx(self, now);
         deadline = co_earlier(deadline, self->tx_retry);
+        if (self->bus_state >= BUS_OFF)
+            deadline = co_earlier(deadline, now + BUS_RETRY);
         signal_changes(self);
         closing = self->closing;
         lock_give(&self->lock);
@@ -286,7 +275,6 @@ enum co_err network_open(const struct network_options *options, struct network *
     self->options = *options;
     self->tx_retry = CO_NEVER;
     co_outbox_init(&self->out, self->out_frames, OUT_FRAMES, self->out_events, OUT_EVENTS);
-    co_outbox_init(&self->tx, self->tx_frames, TX_QUEUE_SIZE, NULL, 0);
     err = lock_init(&self->lock);
     if (err != CO_OK)
         goto free_self;
@@ -362,7 +350,7 @@ enum co_err network_start(struct network *self)
     now = clock_now();
     for (unsigned i = 0; i < self->device_count; i++) {
         device_start(&self->devices[i], now, &self->out);
-        drain(self, self->devices[i].node);
+        drain(self, self->devices[i].node, now);
     }
     flush_tx(self, now);
     lock_give(&self->lock);
@@ -372,6 +360,11 @@ enum co_err network_start(struct network *self)
 enum co_err network_set_priority(struct network *self, int native)
 {
     return thread_set_priority(&self->thread, native);
+}
+
+enum bus_state network_bus_state(const struct network *self)
+{
+    return self->bus_state;
 }
 
 const char *network_name(const struct network *self)
@@ -395,8 +388,10 @@ struct co_outbox *network_enter(struct network *self, co_us_t *ret_now)
 
 static void send_out(struct network *self, uint8_t node)
 {
-    drain(self, node);
-    flush_tx(self, clock_now());
+    const co_us_t now = clock_now();
+
+    drain(self, node, now);
+    flush_tx(self, now);
     signal_changes(self);
     bus_wake(self->bus); /* deadlines may have changed */
 }

@@ -66,6 +66,8 @@ bool network_is_own_thread(const struct network *self);
 struct co_outbox *network_enter(struct network *self, co_us_t *ret_now);
 /* Sends what the device of this node-ID has put out and gives the lock. */
 void network_leave(struct network *self, uint8_t node);
+/* Between enter and leave: the state of the bus that was told last. */
+enum bus_state network_bus_state(const struct network *self);
 /*
  * Between enter and leave: waits until something has happened in the network, or the deadline.
  * CO_ERR_TIMEOUT; CO_ERR_STATE: the network is being closed.

@@ -9,7 +9,7 @@
 #include <string.h>
 
 #define RULES  32u
-#define FRAMES 65536u
+#define FRAMES 131072u
 
 struct rule {
     const char *request, *answer;

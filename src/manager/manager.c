@@ -174,10 +174,10 @@ static void dispatch(struct manager *self, const struct co_frame *frame, co_us_t
     uint32_t node = frame->id & 0x7Fu;
     bool own = (frame->flags & CO_FRAME_OWN) != 0;
 
-    if (own)
-        on_own_frame(self, frame, now);
-    else if (is_in_range(frame, SDO_RESPONSE_ID))
+    if (is_in_range(frame, SDO_RESPONSE_ID)) /* also of the own device */
         sdo_client_on_frame(&self->channels[node].client, frame, now, &self->inner);
+    else if (own)
+        on_own_frame(self, frame, now);
     else if (is_in_range(frame, NMT_ERROR_CONTROL_ID))
         error_control_on_frame(self, frame, now);
     else if (is_in_range(frame, EMCY_CAN_ID))

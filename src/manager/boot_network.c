@@ -285,7 +285,8 @@ static void on_resetting(struct manager *self, co_us_t now)
 
 /*
  * On a slow bus many boot-up messages take longer than the boot delay. They have the lowest
- * priority: with SDO requests on the bus a node could send neither its own nor, behind it, an answer.
+ * priority: with SDO requests on the bus a node could send neither its own nor, behind it,
+ * an answer.
  */
 void boot_network_on_boot_up(struct manager *self, co_us_t now)
 {

@@ -463,9 +463,14 @@ void boot_node_start(struct boot_node *self, co_us_t now, struct co_outbox *out)
     boot_node_on_time(self, now, out);
 }
 
+static bool is_booted_step(const struct boot_node *self)
+{
+    return self->step == BOOT_READY || self->step == BOOT_STARTED;
+}
+
 void boot_node_commanded(struct boot_node *self, enum nmt_command command)
 {
-    if (self->step != BOOT_READY && self->step != BOOT_STARTED) {
+    if (!is_booted_step(self)) {
         self->reset_due |= command == NMT_STOP; /* no SDO any more: it cannot go on booting */
         return;
     }
@@ -522,6 +527,7 @@ void boot_node_on_error_control(struct boot_node *self, const struct co_frame *f
         put_event(self, (struct co_event){ .type = MANAGER_NODE_STATE, .detail = state }, out);
     }
     check_followed(self);
+    self->reset_due |= state == NMT_STOPPED && !is_booted_step(self);
     if (is_steady)
         enter_error_control(self, now, out);
 }

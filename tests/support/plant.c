@@ -15,6 +15,8 @@ static void on_event(void *context, const struct co_event *event)
     enum co_severity severity;
     int length;
 
+    if (self->on_event)
+        self->on_event(self, event);
     if (!boot_text_event(self->config, event, &severity, text, sizeof text))
         return;
     length = snprintf(self->events + self->events_size, PLANT_TEXT_SIZE - self->events_size,
@@ -47,6 +49,15 @@ static bool tell_lie(struct plant *self, const struct co_frame *frame)
     return false;
 }
 
+static void note_boot_up(struct plant *self, const struct co_frame *frame, enum sim_fate fate)
+{
+    uint8_t node, state;
+
+    if (nmt_parse_error_control(frame, &node, &state) && state == NMT_INITIALISING &&
+        self->devices[node])
+        self->devices[node]->reborn = fate != SIM_DELIVER;
+}
+
 static enum sim_fate on_frame(void *context, const struct co_frame *frame, uint8_t sender)
 {
     struct plant *self = context;
@@ -54,6 +65,7 @@ static enum sim_fate on_frame(void *context, const struct co_frame *frame, uint8
 
     if (fate == SIM_DELIVER && tell_lie(self, frame))
         return SIM_UNHEARD;
+    note_boot_up(self, frame, fate);
     if (fate == SIM_DELIVER && self->on_delivered)
         self->on_delivered(self, frame, sender);
     return fate;

@@ -9,7 +9,7 @@
 /* A node of the XML: its ID and more elements. */
 #define PLANT_NODE(id, more) "<Node_Instance><Node_Id>" #id "</Node_Id>" more "</Node_Instance>"
 
-#define PLANT_TEXT_SIZE 65536u
+#define PLANT_TEXT_SIZE 262144u
 
 #define PLANT_LIES 8u
 
@@ -24,6 +24,7 @@ struct plant_device {
     struct od od;
     struct slave slave;
     struct sim_device *sim;
+    bool reborn; /* its last boot-up message was lost */
 };
 
 struct plant {
@@ -40,6 +41,7 @@ struct plant {
     void *fault_context;
     /* After fault() has let it pass, before anybody hears it. */
     void (*on_delivered)(struct plant *self, const struct co_frame *frame, uint8_t sender);
+    void (*on_event)(struct plant *self, const struct co_event *event); /* of the manager */
     struct plant_lie lies[PLANT_LIES];
     unsigned lie_count;
 };

@@ -3,6 +3,7 @@
 #include "base/bytes.h"
 
 #include <check.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,12 +28,28 @@ static const char *last_events(const struct plant *plant)
     return plant->events + (size > LAST_EVENTS ? size - LAST_EVENTS : 0);
 }
 
+/* All of it, where SCENARIO_TRACE names a file. */
+static void save_trace(const struct plant *plant)
+{
+    const char *name = getenv("SCENARIO_TRACE");
+    FILE *file = name ? fopen(name, "w") : NULL;
+    char *text;
+
+    if (!file)
+        return;
+    text = sim_trace_text(&plant->sim);
+    fprintf(file, "%s\n%s", text, plant->events);
+    free(text);
+    fclose(file);
+}
+
 static void check(const struct plant *plant, bool ok, uint8_t node, const char *what)
 {
     char *text;
 
     if (ok)
         return;
+    save_trace(plant);
     text = last_frames(plant);
     ck_abort_msg("%s: node %u: %s\n%s%s", plant->name, node, what, text, last_events(plant));
     free(text);
@@ -57,7 +74,7 @@ static bool is_boot_up_under_way(const struct plant *plant, uint8_t node)
 {
     const struct co_outbox *box = &plant->devices[node]->sim->box;
 
-    if (plant->devices[node]->slave.boot_up_due)
+    if (plant->devices[node]->slave.boot_up_due || plant->devices[node]->reborn)
         return true;
     for (unsigned i = 0; i < box->frame_count; i++) {
         const struct co_frame *frame = &box->frames[(box->frame_first + i) % box->frame_capacity];

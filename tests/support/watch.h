@@ -3,9 +3,10 @@
  *
  *   - no slave gets NMT start before the manager is operational
  *   - a slave that the master boots gets it only with its whole configuration, in this life of the
- *     device (unless its boot-up message is still on the way: then the manager could not know)
+ *     device (unless its boot-up message is still on the way, or lost: nobody can know then)
  *
- * A violation fails the test and tells the last frames on the wire.
+ * A violation fails the test and tells the last frames on the wire; SCENARIO_TRACE names a file for
+ * all of them.
  */
 #ifndef TEST_SUPPORT_WATCH_H
 #define TEST_SUPPORT_WATCH_H

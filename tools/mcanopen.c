@@ -20,7 +20,7 @@ static const char usage[] =
     "A bus is a SocketCAN interface (can0, vcan0) or \"virtual:NAME\", a bus of this machine\n"
     "without hardware and without privileges.\n";
 
-static const struct {
+static const struct verb {
     const char *name;
     int (*run)(int argc, char **argv);
 } verbs[] = {
@@ -28,6 +28,16 @@ static const struct {
     { "sim", verb_sim },
     { "dump", verb_dump },
 };
+
+/* getopt begins its messages with argv[0]. */
+static int run_verb(const struct verb *verb, int argc, char **argv)
+{
+    char name[32];
+
+    snprintf(name, sizeof name, "mcanopen %s", verb->name);
+    argv[0] = name;
+    return verb->run(argc, argv);
+}
 
 int stop_signals(void)
 {
@@ -54,7 +64,7 @@ int main(int argc, char **argv)
     }
     for (size_t i = 0; argc >= 2 && i < sizeof verbs / sizeof verbs[0]; i++)
         if (strcmp(argv[1], verbs[i].name) == 0)
-            return verbs[i].run(argc - 1, argv + 1);
+            return run_verb(&verbs[i], argc - 1, argv + 1);
     if (argc >= 2)
         fprintf(stderr, "mcanopen: no verb \"%s\"\n", argv[1]);
     fputs(usage, stderr);

@@ -115,6 +115,14 @@ static int listen_to_bus(struct dump *self)
     return result;
 }
 
+static bool parse_count(const char *text, unsigned long *ret_count)
+{
+    char *end;
+
+    *ret_count = strtoul(text, &end, 10);
+    return text[0] != '-' && *ret_count > 0 && *end == '\0';
+}
+
 int verb_dump(int argc, char **argv)
 {
     static const struct option options[] = { { "count", required_argument, NULL, 'n' },
@@ -125,7 +133,10 @@ int verb_dump(int argc, char **argv)
 
     while ((option = getopt_long(argc, argv, "n:h", options, NULL)) != -1) {
         if (option == 'n') {
-            self.count = strtoul(optarg, NULL, 10);
+            if (parse_count(optarg, &self.count))
+                continue;
+            fprintf(stderr, "mcanopen dump: -n %s: expected a number, more than 0\n", optarg);
+            return EXIT_USAGE;
         } else {
             fputs(usage, option == 'h' ? stdout : stderr);
             return option == 'h' ? EXIT_UP : EXIT_USAGE;

@@ -108,7 +108,13 @@ static int make_configured_od(struct sim *self, const struct node_config *node, 
     }
     if (file_find(self->config, self->xml, node->dcf_file, &path) != CO_OK)
         return EXIT_USAGE;
-    result = make_file_od(self, node->node_id, path, od);
+    if (access(path, F_OK) == 0) {
+        result = make_file_od(self, node->node_id, path, od);
+    } else {
+        fprintf(stderr, "%s:%u: error: DCF_File: %s: %s\n", self->xml, node->file_line, path,
+                file_error_text(CO_ERR_NOT_FOUND));
+        result = EXIT_USAGE;
+    }
     free(path);
     return result;
 }
@@ -219,7 +225,7 @@ static bool read_network(struct sim *self)
     enum co_err err = file_read(self->xml, &text, &size);
 
     if (err != CO_OK) {
-        fprintf(stderr, "%s: error: %s\n", self->xml, co_err_text(err));
+        fprintf(stderr, "%s: error: %s\n", self->xml, file_error_text(err));
         return false;
     }
     err = network_config_parse(text, size, &report, &self->networks, &self->network_count);
@@ -236,16 +242,17 @@ static bool read_network(struct sim *self)
 
 /* --- options --- */
 
-static bool parse_node(const char *text, uint8_t *ret_node)
+static bool parse_number(const char *option, const char *text, uint8_t least, uint8_t most,
+                         uint8_t *ret_value)
 {
     char *end;
     unsigned long value = strtoul(text, &end, 0);
 
-    if (end == text || *end || value < 1 || value > NMT_NODE_MAX) {
-        fprintf(stderr, "mcanopen sim: node-ID \"%s\": expected 1..127\n", text);
+    if (end == text || *end || value < least || value > most) {
+        fprintf(stderr, "mcanopen sim: %s %s: expected %u..%u\n", option, text, least, most);
         return false;
     }
-    *ret_node = (uint8_t)value;
+    *ret_value = (uint8_t)value;
     return true;
 }
 
@@ -254,7 +261,7 @@ static bool take_node(struct sim *self, int argc, char **argv)
 {
     uint8_t node;
 
-    if (!parse_node(optarg, &node))
+    if (!parse_number("--node", optarg, 1, NMT_NODE_MAX, &node))
         return false;
     if (optind >= argc) {
         fprintf(stderr, "mcanopen sim: --node %s: expected a file behind it\n", optarg);
@@ -267,17 +274,21 @@ static bool take_node(struct sim *self, int argc, char **argv)
 
 static bool take_option(struct sim *self, int option, int argc, char **argv)
 {
-    uint8_t node;
+    uint8_t number;
 
     switch (option) {
     case 'n': return take_node(self, argc, argv);
     case 'w':
-        if (!parse_node(optarg, &node))
+        if (!parse_number("--without", optarg, 1, NMT_NODE_MAX, &number))
             return false;
-        self->devices[node].without = true;
+        self->devices[number].without = true;
         return true;
     case 'b': self->bus = optarg; return true;
-    case 'N': self->net = atoi(optarg); return true;
+    case 'N':
+        if (!parse_number("--net", optarg, 0, UINT8_MAX, &number))
+            return false;
+        self->net = number;
+        return true;
     case 'q': self->quiet = true; return true;
     case 'v': self->verbose = true; return true;
     default: fputs(usage, stderr); return false;

@@ -6,12 +6,13 @@
 #include <string.h>
 #include <unistd.h>
 
-static enum co_err open_error(void)
+static enum co_err error_of_errno(void)
 {
     switch (errno) {
     case ENOENT:
     case ENOTDIR: return CO_ERR_NOT_FOUND;
     case EACCES: return CO_ERR_PERMISSION;
+    case EISDIR: return CO_ERR_ARG;
     default: return CO_ERR_IO;
     }
 }
@@ -32,7 +33,7 @@ static enum co_err read_stream(FILE *stream, char **text, size_t *size)
         }
         *size += fread(*text + *size, 1, room - *size - 1, stream);
         if (ferror(stream))
-            return CO_ERR_IO;
+            return error_of_errno();
         if (*size > FILE_SIZE_MAX)
             return CO_ERR_VALUE;
     } while (!feof(stream));
@@ -48,7 +49,7 @@ enum co_err file_read(const char *path, char **ret_text, size_t *ret_size)
     size_t size;
 
     if (!stream)
-        return open_error();
+        return error_of_errno();
     err = read_stream(stream, &text, &size);
     fclose(stream);
     if (err != CO_OK) {
@@ -58,6 +59,17 @@ enum co_err file_read(const char *path, char **ret_text, size_t *ret_size)
     *ret_text = text;
     *ret_size = size;
     return CO_OK;
+}
+
+const char *file_error_text(enum co_err err)
+{
+    if (err == CO_ERR_NOT_FOUND)
+        return "no such file";
+    if (err == CO_ERR_ARG)
+        return "a folder, expected a file";
+    if (err == CO_ERR_VALUE)
+        return "larger than 64 MiB";
+    return co_err_text(err);
 }
 
 /* "folder/name", the folder up to folder_size; nothing in front where there is no folder. */

@@ -13,10 +13,12 @@
 
 /*
  * The whole contents, with a NUL behind them that does not count; to be freed.
- * CO_ERR_NOT_FOUND, CO_ERR_PERMISSION, CO_ERR_VALUE: too large, CO_ERR_IO,
- * CO_ERR_MEMORY.
+ * CO_ERR_NOT_FOUND, CO_ERR_PERMISSION, CO_ERR_ARG: a folder, CO_ERR_VALUE: too large,
+ * CO_ERR_IO, CO_ERR_MEMORY.
  */
 enum co_err file_read(const char *path, char **ret_text, size_t *ret_size);
+/* What an error of file_read() means to the user. */
+const char *file_error_text(enum co_err err);
 
 /*
  * Where a file named in a network's configuration is: as given, under its repository, beside the

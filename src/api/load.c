@@ -17,15 +17,6 @@ struct loader {
     size_t folder_size;
 };
 
-static const char *read_error_text(enum co_err err)
-{
-    if (err == CO_ERR_NOT_FOUND)
-        return "no such file";
-    if (err == CO_ERR_VALUE)
-        return "larger than 64 MiB";
-    return co_err_text(err);
-}
-
 /* Messages about another file, into the same sink, counted in the same report. */
 static struct co_report report_for(const struct co_report *report, const char *file)
 {
@@ -62,7 +53,7 @@ int load_dcf(const char *path, struct co_report *report, struct dcf *ret_dcf)
     int result;
 
     if (err != CO_OK) {
-        co_report_add(&own, CO_ERROR, 0, "%s", read_error_text(err));
+        co_report_add(&own, CO_ERROR, 0, "%s", file_error_text(err));
         add_up(report, &own);
         return CANOPEN_DCF_INIT_ERROR;
     }
@@ -163,7 +154,7 @@ static int load_node_file(struct loader *self, const char *path)
 
     if (err != CO_OK) {
         co_report_add(&own, CO_ERROR, self->node->file_line, "%s: %s: %s",
-                      self->node->dcf_file ? "DCF_File" : "CCF_File", path, read_error_text(err));
+                      self->node->dcf_file ? "DCF_File" : "CCF_File", path, file_error_text(err));
         add_up(self->xml_report, &own);
         return CANOPEN_DCF_INIT_ERROR;
     }
@@ -213,7 +204,7 @@ static int parse_xml(const char *path, struct co_report *report,
     enum co_err err = file_read(path, &text, &size);
 
     if (err != CO_OK) {
-        co_report_add(report, CO_ERROR, 0, "%s", read_error_text(err));
+        co_report_add(report, CO_ERROR, 0, "%s", file_error_text(err));
         return error_of_xml(err == CO_ERR_MEMORY ? err : CO_ERR_IO);
     }
     err = network_config_parse(text, size, report, ret_networks, ret_count);

@@ -20,16 +20,33 @@ static void take_request_back(struct manager *self, struct boot_node *node, co_u
                            &self->inner);
 }
 
-void boot_network_begin(struct manager *self, enum nmt_command command, co_us_t now)
+static void forget_nodes(struct manager *self, co_us_t now)
 {
     FOR_EACH_NODE(self, node) {
         take_request_back(self, node, now);
         boot_node_stop(node);
     }
-    self->state = NETWORK_RESETTING;
     self->up_told = false;
     self->start_all_due = false;
     self->stop_all_due = false;
+}
+
+enum nmt_command boot_network_reset_command(const struct manager *self)
+{
+    return self->config->reset_all ? NMT_RESET_NODE : NMT_RESET_COMMUNICATION;
+}
+
+void boot_network_suspend(struct manager *self, co_us_t now)
+{
+    forget_nodes(self, now);
+    if (self->state != NETWORK_STOPPED)
+        self->state = NETWORK_OFF;
+}
+
+void boot_network_begin(struct manager *self, enum nmt_command command, co_us_t now)
+{
+    forget_nodes(self, now);
+    self->state = NETWORK_RESETTING;
     self->reset_command = (uint8_t)command;
     self->reset_due = true;
     self->boot_limit = CO_NEVER;
@@ -314,6 +331,32 @@ void boot_network_stop(struct manager *self, co_us_t now)
         node->start_due = false;
     slave_command(&self->device, NMT_STOP, now, &self->inner);
     boot_network_on_time(self, now);
+}
+
+/* Nobody knows what has become of them: the start that the application orders boots them anew. */
+static void resume_stopped(struct manager *self, co_us_t now)
+{
+    FOR_EACH_NODE(self, node) {
+        if (!boot_node_is_booted_by_master(node))
+            continue;
+        if (node->config->auto_start_slave)
+            node->lost = true;
+        else
+            boot_network_reboot(self, node, now); /* only its error control */
+    }
+    boot_network_stop(self, now);
+}
+
+void boot_network_resume(struct manager *self, co_us_t now)
+{
+    enum nmt_command command = boot_network_reset_command(self);
+
+    if (self->state == NETWORK_STOPPED) {
+        resume_stopped(self, now);
+        return;
+    }
+    slave_command(&self->device, command, now, &self->inner);
+    boot_network_begin(self, command, now);
 }
 
 void boot_network_on_time(struct manager *self, co_us_t now)

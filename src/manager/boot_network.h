@@ -17,6 +17,11 @@
 
 /* Resets all nodes with this command and boots them. */
 void boot_network_begin(struct manager *self, enum nmt_command command, co_us_t now);
+/* The reset that boots it as at the start. */
+enum nmt_command boot_network_reset_command(const struct manager *self);
+/* Nothing is sent or expected until it is resumed: that boots all anew; STOPPED stays so. */
+void boot_network_suspend(struct manager *self, co_us_t now);
+void boot_network_resume(struct manager *self, co_us_t now);
 /* Decides, after anything has changed, whether the network goes operational or is halted. */
 void boot_network_check(struct manager *self, co_us_t now);
 /* The manager goes operational and starts the slaves that are booted. */

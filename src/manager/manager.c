@@ -207,6 +207,8 @@ void manager_on_frame(struct manager *self, const struct co_frame *frame, co_us_
         self->dropped++; /* the owner has not drained us for hundreds of events */
         return;
     }
+    if (self->bus_lost)
+        return;                                               /* from before */
     if (frame->id != NMT_CAN_ID || !self->config->nmt_master) /* nobody commands the master */
         slave_on_frame(&self->device, &heard, now, &self->inner);
     dispatch(self, frame, now);
@@ -220,8 +222,7 @@ void manager_start(struct manager *self, co_us_t now, struct co_outbox *out)
 {
     slave_start(&self->device, now, &self->inner);
     if (self->config->nmt_master)
-        boot_network_begin(self, self->config->reset_all ? NMT_RESET_NODE : NMT_RESET_COMMUNICATION,
-                           now);
+        boot_network_begin(self, boot_network_reset_command(self), now);
     else if (self->config->auto_operational)
         slave_command(&self->device, NMT_START, now, &self->inner);
     settle(self, now, out);
@@ -345,6 +346,8 @@ enum co_err manager_command(struct manager *self, enum nmt_command command, uint
 
     if (!self->config->nmt_master)
         err = command_device(self, command, node, now);
+    else if (self->bus_lost)
+        err = CO_ERR_STATE;
     else if (node == self->config->manager_node_id)
         err = command_self(self, command, now);
     else if (node == NMT_ALL_NODES)
@@ -358,10 +361,23 @@ enum co_err manager_command(struct manager *self, enum nmt_command command, uint
     return err;
 }
 
+static void put_request_done(struct manager *self, uint8_t node)
+{
+    struct co_event done = { .type = MANAGER_REQUEST_DONE, .node = node };
+
+    if (co_outbox_room(&self->inner, 0, 1)) /* it only wakes who waits: one of many will do */
+        co_outbox_put_event(&self->inner, &done);
+}
+
 void manager_submit(struct manager *self, uint8_t node, struct sdo_request *request, co_us_t now,
                     struct co_outbox *out)
 {
-    sdo_channel_submit(&self->channels[node], request, now, &self->inner);
+    if (self->bus_lost) {
+        sdo_request_give_up(request, node);
+        put_request_done(self, node);
+    } else {
+        sdo_channel_submit(&self->channels[node], request, now, &self->inner);
+    }
     settle(self, now, out);
 }
 
@@ -374,6 +390,31 @@ void manager_cancel(struct manager *self, uint8_t node, struct sdo_request *requ
         return;
     if (!sdo_channel_cancel(channel, request, SDO_TIMEOUT, now, &self->inner))
         sdo_channel_cancel(channel, request, SDO_OK, now, &self->inner);
+    settle(self, now, out);
+}
+
+/* --- the connection to the bus --- */
+
+static void lose_bus(struct manager *self, co_us_t now)
+{
+    if (self->config->nmt_master)
+        boot_network_suspend(self, now);
+    for (uint8_t node = 1; node <= NETWORK_NODE_MAX; node++) {
+        while (sdo_channel_give_up(&self->channels[node]))
+            put_request_done(self, node);
+    }
+}
+
+void manager_on_bus(struct manager *self, bool up, co_us_t now, struct co_outbox *out)
+{
+    settle(self, now, out);
+    if (self->bus_lost != up)
+        return;
+    self->bus_lost = !up;
+    if (!up)
+        lose_bus(self, now);
+    else if (self->config->nmt_master)
+        boot_network_resume(self, now);
     settle(self, now, out);
 }
 

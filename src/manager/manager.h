@@ -49,6 +49,7 @@ struct manager {
     struct boot_node nodes[NETWORK_NODE_MAX + 1];      /* by node-ID */
     struct sdo_channel channels[NETWORK_NODE_MAX + 1]; /* by node-ID */
     uint8_t state;                                     /* enum boot_network_state */
+    bool bus_lost;                                     /* see manager_on_bus() */
     bool up_told;       /* MANAGER_NETWORK_UP was given since the last start */
     bool reset_due;     /* RESETTING: the command is still to be sent */
     bool start_all_due; /* NMT start all is still to be sent */
@@ -86,6 +87,14 @@ void manager_submit(struct manager *self, uint8_t node, struct sdo_request *requ
 /* Takes such a request back; it gives no event any more. */
 void manager_cancel(struct manager *self, uint8_t node, struct sdo_request *request, co_us_t now,
                     struct co_outbox *out);
+
+/*
+ * The connection to the bus is lost, or back. Without it nobody knows anything about the nodes, so
+ * nobody is missed: boots and error control end, SDO requests end with NOT_SENT, orders are refused
+ * (CO_ERR_STATE). When it is back, the network is booted as at the start; one that STOP_ALL has
+ * stopped is stopped again.
+ */
+void manager_on_bus(struct manager *self, bool up, co_us_t now, struct co_outbox *out);
 
 /* True when all nodes that have to be up are: mandatory ones, with 'all' the optional ones too. */
 bool manager_is_up(const struct manager *self, bool all);

@@ -1,5 +1,7 @@
 #include "manager/sdo_channel.h"
 
+#include "proto/event.h"
+
 #include <stddef.h>
 
 void sdo_channel_init(struct sdo_channel *self, uint8_t node)
@@ -87,5 +89,32 @@ struct sdo_request *sdo_channel_on_done(struct sdo_channel *self, const struct c
     request->result = *event;
     self->running = NULL;
     start_next(self, now, out);
+    return request;
+}
+
+void sdo_request_give_up(struct sdo_request *request, uint8_t node)
+{
+    request->state = REQUEST_DONE;
+    request->result = (struct co_event){ .type = PROTO_SDO_DONE,
+                                         .node = node,
+                                         .detail = SDO_OUTCOME_NOT_SENT,
+                                         .index = request->transfer.index,
+                                         .sub = request->transfer.sub };
+}
+
+struct sdo_request *sdo_channel_give_up(struct sdo_channel *self)
+{
+    struct sdo_request *request = self->running;
+
+    if (request) {
+        sdo_client_init(&self->client, self->client.node);
+        self->running = NULL;
+    } else {
+        request = self->first;
+        if (!request)
+            return NULL;
+        unlink_waiting(self, request);
+    }
+    sdo_request_give_up(request, self->client.node);
     return request;
 }

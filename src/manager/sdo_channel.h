@@ -40,5 +40,12 @@ bool sdo_channel_cancel(struct sdo_channel *self, struct sdo_request *request, s
 /* Hands over the client's PROTO_SDO_DONE; the request that ended with it, or NULL (cancelled). */
 struct sdo_request *sdo_channel_on_done(struct sdo_channel *self, const struct co_event *event,
                                         co_us_t now, struct co_outbox *out);
+/*
+ * Without a bus: takes the running or the oldest waiting request out, DONE with NOT_SENT; NULL when
+ * there is none left. Nothing is sent.
+ */
+struct sdo_request *sdo_channel_give_up(struct sdo_channel *self);
+/* The same for a request that comes only then. */
+void sdo_request_give_up(struct sdo_request *request, uint8_t node);
 
 #endif

@@ -24,6 +24,7 @@ static void rest(struct guard_master *self)
     self->once = false;
     self->asked = false;
     self->lost = false;
+    self->told_lost = false;
     self->state_untold = false;
     self->toggle_untold = false;
     self->period = 0;
@@ -72,6 +73,7 @@ static void tell_answer(struct guard_master *self, struct co_outbox *out)
     if (self->state_untold && co_outbox_room(out, 0, 1)) {
         put_event(PROTO_GUARD_STATE, self->node, self->state, 0, out);
         self->state_untold = false;
+        self->told_lost = false;
     }
     if (self->toggle_untold && co_outbox_room(out, 0, 1)) {
         put_event(PROTO_GUARD_TOGGLE, self->node, self->state, self->toggle_errors, out);
@@ -85,6 +87,8 @@ static void on_boot_up(struct guard_master *self, co_us_t now)
     if (self->once)
         return;
     self->state = NMT_INITIALISING;
+    self->state_untold = false;
+    self->lost = self->told_lost; /* an answer that nobody knows of is as none */
     self->asked = false;
     self->alive = now;
     self->loss = CO_NEVER;
@@ -156,12 +160,14 @@ static void send_request(struct guard_master *self, co_us_t now, struct co_outbo
         self->request = CO_NEVER;
 }
 
+/* A request that is due as well goes first, however full the outbox. */
 static void watch(struct guard_master *self, co_us_t now, struct co_outbox *out)
 {
-    if (now < self->loss || !co_outbox_room(out, 0, 1))
+    if (now < self->loss || now >= self->request || !co_outbox_room(out, 0, 1))
         return;
     put_event(PROTO_GUARD_LOST, self->node, self->state, 0, out);
     self->lost = true;
+    self->told_lost = true;
     self->loss = CO_NEVER;
     if (self->once)
         rest(self);
@@ -170,8 +176,8 @@ static void watch(struct guard_master *self, co_us_t now, struct co_outbox *out)
 void guard_master_on_time(struct guard_master *self, co_us_t now, struct co_outbox *out)
 {
     tell_answer(self, out);
-    watch(self, now, out);
     send_request(self, now, out);
+    watch(self, now, out);
 }
 
 co_us_t guard_master_deadline(const struct guard_master *self)
@@ -186,9 +192,10 @@ void guard_slave_init(struct guard_slave *self, uint8_t node)
     *self = (struct guard_slave){ .node = node, .deadline = CO_NEVER };
 }
 
+/* An answer that is due goes first. */
 static void tell_life(struct guard_slave *self, struct co_outbox *out)
 {
-    if (self->lost == self->told_lost || !co_outbox_room(out, 0, 1))
+    if (self->lost == self->told_lost || self->answer_due || !co_outbox_room(out, 0, 1))
         return;
     put_event(self->lost ? PROTO_LIFE_LOST : PROTO_LIFE_BACK, self->node, 0, 0, out);
     self->told_lost = self->lost;

@@ -40,6 +40,7 @@ struct guard_master {
     bool once;         /* one question, by guard_master_ask() */
     bool asked;        /* a request has no answer yet */
     bool lost;         /* no answer since PROTO_GUARD_LOST */
+    bool told_lost;    /* what the last event said */
     bool state_untold; /* these found no room in the outbox yet */
     bool toggle_untold;
     uint32_t toggle_errors; /* since guard_master_init() */

@@ -88,7 +88,8 @@ expect 'equal output of -o' 0 '' '' cmp three.ccf device.ccf
 expect 'a device as output' 0 '' '*' "$dcf2ccf" device.dcf /dev/null
 same 'the device stays' 'character special file' "$(stat -c %F /dev/null)"
 if [ -e /dev/full ]; then
-    expect 'a full device' 2 '' '*dcf2ccf: /dev/full: No space left*' "$dcf2ccf" device.dcf /dev/full
+    expect 'a full device' 2 '' '*dcf2ccf: /dev/full: No space left*' \
+        "$dcf2ccf" device.dcf /dev/full
 fi
 mkdir sub.d
 cp device.dcf sub.d/noending

@@ -144,7 +144,8 @@ class BadInput(plant.PlantTest):
         self.refused([*sim, "--node", 5, "folder"], USAGE, ["folder: error: a folder"])
         self.refused([*sim, "--node", 5, "five.dcf"], USAGE, ["five.dcf:"])
         self.refused([*sim, "network.xml"], USAGE, ["five.dcf:"])
-        self.refused([*sim, "missing.xml"], USAGE, ["missing.xml:8: error: DCF_File: no.dcf: no such file"])
+        self.refused([*sim, "missing.xml"], USAGE,
+                     ["missing.xml:8: error: DCF_File: no.dcf: no such file"])
         self.nothing_on_the_bus()
 
 

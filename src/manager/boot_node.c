@@ -74,7 +74,8 @@ static void fail(struct boot_node *self, const struct boot_failure *failure, co_
     }
     self->step = retry ? BOOT_RETRY : BOOT_FAILED;
     self->deadline = retry ? now + BOOT_RETRY_INTERVAL : CO_NEVER;
-    self->reset_due |= failure->step == BOOT_CONFIGURE || failure->step == BOOT_SAVE;
+    self->reset_due = self->stopped || failure->step == BOOT_CONFIGURE ||
+                      failure->step == BOOT_SAVE;
     self->reset_command = (uint8_t)boot_node_reset_command(self);
 }
 
@@ -327,6 +328,7 @@ static void on_device_type(struct boot_node *self, bool ok, co_us_t now, struct 
         fail_request(self, 'B', now, out);
         return;
     }
+    self->stopped = false;
     if (has_missed_reset(self)) {
         self->reset_repeated = true;
         boot_node_reset(self, boot_node_reset_command(self), now, out);
@@ -463,17 +465,12 @@ void boot_node_start(struct boot_node *self, co_us_t now, struct co_outbox *out)
     boot_node_on_time(self, now, out);
 }
 
-static bool is_booted_step(const struct boot_node *self)
-{
-    return self->step == BOOT_READY || self->step == BOOT_STARTED;
-}
-
 void boot_node_commanded(struct boot_node *self, enum nmt_command command)
 {
-    if (!is_booted_step(self)) {
-        self->reset_due |= command == NMT_STOP; /* no SDO any more: it cannot go on booting */
+    if (command == NMT_STOP || command == NMT_START || command == NMT_ENTER_PREOPERATIONAL)
+        self->stopped = command == NMT_STOP;
+    if (self->step != BOOT_READY && self->step != BOOT_STARTED)
         return;
-    }
     self->start_due = false;
     self->unfollowed = 0;
     self->step = command == NMT_START ? BOOT_STARTED : BOOT_READY;
@@ -490,6 +487,7 @@ void boot_node_on_boot_up(struct boot_node *self)
 
     self->nmt_state = is_watched_only ? NMT_PREOPERATIONAL : NMT_INITIALISING;
     self->reset_heard = true;
+    self->stopped = false;
     self->last_heartbeat = 0;
 }
 
@@ -527,7 +525,7 @@ void boot_node_on_error_control(struct boot_node *self, const struct co_frame *f
         put_event(self, (struct co_event){ .type = MANAGER_NODE_STATE, .detail = state }, out);
     }
     check_followed(self);
-    self->reset_due |= state == NMT_STOPPED && !is_booted_step(self);
+    self->stopped = state == NMT_STOPPED;
     if (is_steady)
         enter_error_control(self, now, out);
 }

@@ -58,7 +58,8 @@ struct boot_node {
     bool start_due;    /* to be started as soon as there is room */
     bool reset_due;    /* RESET: the command is still to be sent; else the next attempt begins so */
     bool reset_heard;  /* it has sent a boot-up message since the last reset command ... */
-    bool absent;       /* ... and once did not answer since then */
+    bool stopped; /* by a command, and no boot-up message since: it has no SDO, and looks absent */
+    bool absent;  /* ... and once did not answer since then */
     bool reset_repeated; /* because it has missed it; once until it has booted */
     uint8_t unfollowed;  /* heartbeats that tell another state than the start command asked for */
     bool lost;           /* silent, and left to the application */

@@ -59,7 +59,9 @@ bool sdo_channel_cancel(struct sdo_channel *self, struct sdo_request *request, s
                         co_us_t now, struct co_outbox *out)
 {
     if (self->running == request) {
-        if (code == SDO_OK)
+        if (!sdo_client_busy(&self->client))
+            self->cancelled++; /* its end is known, but on its way to sdo_channel_on_done() */
+        else if (code == SDO_OK)
             sdo_client_init(&self->client, self->client.node); /* the server has forgotten it too */
         else if (sdo_client_cancel(&self->client, code, out))
             self->cancelled++;
@@ -81,6 +83,7 @@ struct sdo_request *sdo_channel_on_done(struct sdo_channel *self, const struct c
 
     if (self->cancelled > 0) { /* the end of what sdo_channel_cancel() took out */
         self->cancelled--;
+        start_next(self, now, out);
         return NULL;
     }
     if (!request)

@@ -99,6 +99,7 @@ static void request(struct sdo_client *self, co_us_t now, struct co_outbox *out)
     self->unsent = true;
     self->on_wire = false;
     self->deadline = now + SDO_SEND_TIMEOUT;
+    self->send_limit = now + SDO_SEND_LIMIT;
     send_unsent(self, out);
 }
 
@@ -413,7 +414,7 @@ void sdo_client_on_frame(struct sdo_client *self, const struct co_frame *frame, 
 void sdo_client_on_progress(struct sdo_client *self, co_us_t now)
 {
     if ((self->state == SDO_CLIENT_INITIATE || self->state == SDO_CLIENT_SEGMENT) && !self->on_wire)
-        self->deadline = now + SDO_SEND_TIMEOUT;
+        self->deadline = co_earlier(now + SDO_SEND_TIMEOUT, self->send_limit);
 }
 
 void sdo_client_on_time(struct sdo_client *self, co_us_t now, struct co_outbox *out)

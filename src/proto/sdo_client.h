@@ -28,7 +28,8 @@
 
 #define SDO_REQUEST_ID   0x600u /* + node-ID, client to server */
 #define SDO_RESPONSE_ID  0x580u
-#define SDO_SEND_TIMEOUT CO_MS(2000) /* for a request to get on the wire */
+#define SDO_SEND_TIMEOUT CO_MS(2000)  /* for a request to get on the wire ... */
+#define SDO_SEND_LIMIT   CO_MS(10000) /* ... if that makes progress */
 
 enum sdo_outcome {
     SDO_OUTCOME_OK,
@@ -71,6 +72,7 @@ struct sdo_client {
     uint32_t position;  /* bytes transferred */
     uint32_t announced; /* size the server indicated in an upload; UINT32_MAX: none */
     uint8_t last_size;  /* data bytes in the segment sent last */
+    co_us_t send_limit; /* of the request's way to the wire, whatever progress there is */
     co_us_t deadline;   /* of the request's way to the wire, then of the answer */
     uint8_t outcome;    /* SDO_CLIENT_END: enum sdo_outcome, abort code, bytes for the event */
     sdo_abort_t code;
@@ -94,7 +96,7 @@ bool sdo_client_cancel(struct sdo_client *self, sdo_abort_t code, struct co_outb
 
 /*
  * Other frames of the same sender have got on the wire: the request is not stuck, only queued behind
- * them. Its time limit to get there starts anew.
+ * them. Its time limit to get there starts anew, up to SDO_SEND_LIMIT.
  */
 void sdo_client_on_progress(struct sdo_client *self, co_us_t now);
 

@@ -1,7 +1,7 @@
 /*
- * Networks made from a seed, with faults from the same seed: lost frames, slow devices, resets, power
- * cycles, cables, orders and requests of the application, outboxes with hardly any room. The watch
- * looks at each start command; in the end, when the faults have stopped, all must be up.
+ * Networks made from a seed, with faults from the same seed: lost frames, slow devices, resets,
+ * power cycles, cables, orders and requests of the application, outboxes with hardly any room. The
+ * watch looks at each start command; in the end, when the faults have stopped, all must be up.
  *
  *   SCENARIO_SEEDS=1000  tries that many seeds, SCENARIO_FIRST_SEED=4711 from this one on
  */
@@ -286,7 +286,7 @@ START_TEST(test_seed)
     chaos->faulty = true;
     run_ms(chaos, FAULTY_MS);
     chaos->faulty = false;
-    run_ms(chaos, 10000);
+    run_ms(chaos, 20000);
     start_what_was_stopped(chaos);
     watch_expect_up(plant, "is not up");
     ck_assert_uint_eq(chaos->submitted, chaos->done + chaos->cancelled);

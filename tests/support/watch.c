@@ -96,10 +96,20 @@ static void check_start_of(const struct plant *plant, const struct node_config *
           "started without its configuration");
 }
 
+/* What was put on its way while it was operational may get on the wire later. */
+static bool may_start(const struct plant *plant)
+{
+    bool was_operational = plant->manager->state == NETWORK_RESETTING ||
+                           plant->manager->state == NETWORK_STOPPED ||
+                           (plant->manager->state == NETWORK_WAITING &&
+                            plant->config->auto_operational);
+
+    return plant->manager->device.state == NMT_OPERATIONAL || was_operational;
+}
+
 static void check_start(const struct plant *plant, uint8_t target)
 {
-    check(plant, plant->manager->device.state == NMT_OPERATIONAL, target,
-          "started before the manager is operational");
+    check(plant, may_start(plant), target, "started before the manager is operational");
     for (size_t i = 0; i < plant->config->node_count; i++)
         if (target == 0 || target == plant->config->nodes[i].node_id)
             check_start_of(plant, &plant->config->nodes[i]);

@@ -77,7 +77,8 @@ void error_control_on_alive(struct manager *self, uint8_t node_id)
     if (node->lost)
         put_event(self, (struct co_event){ .type = MANAGER_NODE_BACK,
                                            .node = node_id,
-                                           .detail = node->nmt_state });
+                                           .detail = node->nmt_state,
+                                           .expected = node->config->consumer_heartbeat_time });
     node->lost = false;
     boot_node_on_heartbeat(node, &self->inner);
 }

@@ -20,7 +20,7 @@ enum manager_event {
     MANAGER_NODE_STATE,      /* node, detail: NMT state it reports */
     MANAGER_NODE_BOOT_UP,    /* node; actual: 1 if the configuration knows it */
     MANAGER_NODE_LOST,       /* node, expected: ms of silence; detail: its last state */
-    MANAGER_NODE_BACK,       /* node, detail: its state */
+    MANAGER_NODE_BACK,       /* node, detail: its state; expected: consumer heartbeat time, ms */
     MANAGER_EMCY,            /* node, code, detail: error register, data: 8 bytes */
     MANAGER_SECOND_MASTER,   /* an NMT command of another master: detail: command, node */
     MANAGER_REQUEST_DONE     /* node: a request of the application has ended */

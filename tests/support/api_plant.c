@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #define PATHS     4u
+#define LOG_SHOWN 2000u
 #define TEXT_SIZE 16384u
 
 static void on_line(void *context, int level, const char *text)
@@ -256,7 +257,8 @@ void api_wait_log(struct api_plant *self, const char *text)
     while (!strstr(self->log, text) && err != CO_ERR_TIMEOUT)
         err = condition_wait(&self->changed, &self->lock, limit);
     lock_give(&self->lock);
-    ck_assert_msg(err != CO_ERR_TIMEOUT, "not in the log: '%s', but:\n%s", text, self->log);
+    ck_assert_msg(err != CO_ERR_TIMEOUT, "not in the log: '%s', but:\n...%s", text,
+                  self->log + (self->log_size > LOG_SHOWN ? self->log_size - LOG_SHOWN : 0));
 }
 
 void api_forget_log(struct api_plant *self)

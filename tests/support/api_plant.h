@@ -12,7 +12,7 @@
 
 #include <check.h>
 
-#define API_LOG_SIZE 65536u
+#define API_LOG_SIZE 1048576u
 #define API_PATIENCE CO_MS(30000) /* a test that waits longer has failed */
 #define API_LIMIT    60           /* seconds: time limit of a test case */
 

@@ -160,7 +160,9 @@ enum {
 enum {
     MCANOPEN_MSG_HEARTBEAT_LOST = 1, /* us: the consumer heartbeat time that has passed, ms */
     MCANOPEN_MSG_HEARTBEAT_BACK = 2, /* us: as above */
-    MCANOPEN_MSG_BOOT_TIME_OVER = 3  /* NOD_NOT_VAL; mandatory node missing; us: Boot_Time, ms */
+    MCANOPEN_MSG_BOOT_TIME_OVER = 3, /* NOD_NOT_VAL; mandatory node missing; us: Boot_Time, ms */
+    MCANOPEN_MSG_GUARDING_LOST = 4,  /* us: Guard_Time x Life_Time_Factor without an answer, ms */
+    MCANOPEN_MSG_GUARDING_BACK = 5   /* us: as above */
 };
 /* with PARA_I, para.i */
 enum {
@@ -413,7 +415,8 @@ enum {
     MCANOPEN_STEP_READY = 8,   /* booted, waits for its start */
     MCANOPEN_STEP_STARTED = 9, /* booted and started */
     MCANOPEN_STEP_RETRY = 10,  /* waits to try again */
-    MCANOPEN_STEP_FAILED = 11  /* will not try again by itself */
+    MCANOPEN_STEP_FAILED = 11, /* will not try again by itself */
+    MCANOPEN_STEP_CHECK_STATE = 12 /* between IDENTITY and CHECK_CONFIGURATION: is it running? */
 };
 
 /* How the boot of a node goes or went. */

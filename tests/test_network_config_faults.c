@@ -131,12 +131,6 @@ static const struct fault {
       CO_ERR_VALUE, CO_ERR_ARG },
 
     /* services whose turn has not come */
-    { NODE("<Guard_Time>500</Guard_Time>\n<Life_Time_Factor>3</Life_Time_Factor>\n"),
-      "7: error: Guard_Time: node guarding is not supported yet; use Consumer_Heartbeat_Time\n",
-      CO_ERR_VALUE, CO_ERR_VALUE },
-    { NODE("<NMT_Check_Nodestate>TRUE</NMT_Check_Nodestate>\n"),
-      "7: error: NMT_Check_Nodestate: keeping a node alive is not supported yet\n", CO_ERR_VALUE,
-      CO_ERR_VALUE },
     { NODE("<NMT_Verify_Software>TRUE</NMT_Verify_Software>\n"),
       "7: error: NMT_Verify_Software: the software check is not supported yet\n", CO_ERR_VALUE,
       CO_ERR_VALUE },
@@ -251,9 +245,10 @@ START_TEST(test_example)
     struct config_result *result = config_parse(EXAMPLE(CONTROL("2000", "2", "0")));
     struct network_config *config;
 
-    ck_assert_str_eq(result->messages, "40: error: Guard_Time: node guarding is not supported yet; "
-                                       "use Consumer_Heartbeat_Time\n");
-    ck_assert_int_eq(result->err, CO_ERR_VALUE);
+    ck_assert_str_eq(result->messages, "");
+    ck_assert_int_eq(result->err, CO_OK);
+    ck_assert_uint_eq(result->networks[0].nodes[2].guard_time, 2000);
+    ck_assert_uint_eq(result->networks[0].nodes[2].life_time_factor, 2);
     config = config_parse_one(EXAMPLE(CONTROL("0", "0", "2000")));
     ck_assert_uint_eq(config->node_count, 3);
     ck_assert_str_eq(config->repository, "./dcf");

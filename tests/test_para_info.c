@@ -41,7 +41,7 @@ START_TEST(known_messages_are_at_their_numbers)
         { cParaInfo, MCANOPEN_MSG_BOOT_ERROR, 0 },
         { ucParaInfo, MCANOPEN_MSG_NODE_BOOTED, 0 },
         { sParaInfo, 0, 0 },
-        { usParaInfo, MCANOPEN_MSG_BOOT_TIME_OVER, 0 },
+        { usParaInfo, MCANOPEN_MSG_GUARDING_BACK, 0 },
         { iParaInfo, MCANOPEN_MSG_BUS_STATE, MCANOPEN_MSG_GUARDING_TOGGLE },
         { uiParaInfo, 0, 0 },
         { lParaInfo, 0, 0 },

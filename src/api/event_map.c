@@ -4,6 +4,7 @@
 #include "manager/boot_text.h"
 #include "runtime/network.h"
 
+#include <limits.h>
 #include <stdio.h>
 
 /* An event about a node; node 0: about the network. */
@@ -31,7 +32,7 @@ static unsigned put_us(EVENT_T *event, const struct network_config *config, unsi
                        unsigned message, unsigned value)
 {
     *event = make(config, node, PARA_US, message);
-    event->para.us = (unsigned short)value;
+    event->para.us = (unsigned short)(value < USHRT_MAX ? value : USHRT_MAX);
     return 1;
 }
 
@@ -122,11 +123,17 @@ unsigned event_map(const struct network_config *config, const struct co_event *e
     case MANAGER_NODE_BOOT_UP:
         return put_uc(ret_events, config, event->node, MCANOPEN_MSG_BOOT_UP, 0);
     case MANAGER_NODE_LOST:
-        return put_us(ret_events, config, event->node, MCANOPEN_MSG_HEARTBEAT_LOST,
+        return put_us(ret_events, config, event->node,
+                      event->actual ? MCANOPEN_MSG_GUARDING_LOST : MCANOPEN_MSG_HEARTBEAT_LOST,
                       (unsigned)event->expected);
     case MANAGER_NODE_BACK:
-        return put_us(ret_events, config, event->node, MCANOPEN_MSG_HEARTBEAT_BACK,
+        return put_us(ret_events, config, event->node,
+                      event->actual ? MCANOPEN_MSG_GUARDING_BACK : MCANOPEN_MSG_HEARTBEAT_BACK,
                       (unsigned)event->expected);
+    case MANAGER_NODE_TOGGLE:
+        *ret_events = make(config, event->node, PARA_I, MCANOPEN_MSG_GUARDING_TOGGLE);
+        ret_events->para.i = (int)event->actual;
+        return 1;
     case MANAGER_EMCY:
         return put_ul(ret_events, config, event->node, MCANOPEN_MSG_EMERGENCY,
                       event->code | (unsigned long)event->detail << 16);

@@ -31,7 +31,9 @@ const char *const usParaInfo[PARA_INFO_SIZE] = {
     NONE_1 "heartbeat lost, consumer time in ms:",      /* MCANOPEN_MSG_HEARTBEAT_LOST */
     "heartbeat is back, consumer time in ms:",          /* MCANOPEN_MSG_HEARTBEAT_BACK */
     "mandatory nodes are missing, Boot_Time over, ms:", /* MCANOPEN_MSG_BOOT_TIME_OVER */
-    NONE_248 NONE_4
+    "no answer to guarding, time in ms:",               /* MCANOPEN_MSG_GUARDING_LOST */
+    "answers guarding again, time in ms:",              /* MCANOPEN_MSG_GUARDING_BACK */
+    NONE_248 NONE_2
 };
 
 const char *const iParaInfo[PARA_INFO_SIZE] = {

@@ -31,11 +31,6 @@ static void forget_nodes(struct manager *self, co_us_t now)
     self->stop_all_due = false;
 }
 
-enum nmt_command boot_network_reset_command(const struct manager *self)
-{
-    return self->config->reset_all ? NMT_RESET_NODE : NMT_RESET_COMMUNICATION;
-}
-
 void boot_network_suspend(struct manager *self, co_us_t now)
 {
     forget_nodes(self, now);
@@ -43,15 +38,44 @@ void boot_network_suspend(struct manager *self, co_us_t now)
         self->state = NETWORK_OFF;
 }
 
-void boot_network_begin(struct manager *self, enum nmt_command command, co_us_t now)
+/* each: one command for each node that may be reset, none for all. */
+static void begin(struct manager *self, enum nmt_command command, bool each, co_us_t now)
 {
     forget_nodes(self, now);
+    FOR_EACH_NODE(self, node)
+        node->reset_due = each && boot_node_is_booted_by_master(node) &&
+                          !node->config->check_node_state;
     self->state = NETWORK_RESETTING;
     self->reset_command = (uint8_t)command;
+    self->reset_each = each;
     self->reset_due = true;
     self->boot_limit = CO_NEVER;
     self->deadline = now;
     boot_network_on_time(self, now);
+}
+
+void boot_network_begin(struct manager *self, enum nmt_command command, co_us_t now)
+{
+    begin(self, command, false, now);
+}
+
+static bool keeps_nodes_alive(struct manager *self)
+{
+    FOR_EACH_NODE(self, node) {
+        if (boot_node_is_booted_by_master(node) && node->config->check_node_state)
+            return true;
+    }
+    return false;
+}
+
+static enum nmt_command first_command(const struct manager *self)
+{
+    return self->config->reset_all ? NMT_RESET_NODE : NMT_RESET_COMMUNICATION;
+}
+
+void boot_network_start(struct manager *self, co_us_t now)
+{
+    begin(self, first_command(self), keeps_nodes_alive(self), now);
 }
 
 static void boot_all(struct manager *self, co_us_t now)
@@ -289,11 +313,29 @@ static bool send_all(struct manager *self, enum nmt_command command)
     return true;
 }
 
+/* Each with its own command; false while there is no room for all of them. */
+static bool send_resets(struct manager *self)
+{
+    FOR_EACH_NODE(self, node) {
+        struct co_frame frame =
+            nmt_command_frame(boot_node_reset_command(node), node->config->node_id);
+
+        if (!node->reset_due)
+            continue;
+        if (!co_outbox_room(&self->inner, 1, 0))
+            return false;
+        co_outbox_put_frame(&self->inner, &frame);
+        node->reset_due = false;
+    }
+    return true;
+}
+
 static void on_resetting(struct manager *self, co_us_t now)
 {
     if (!self->reset_due) {
         boot_all(self, now);
-    } else if (send_all(self, (enum nmt_command)self->reset_command)) {
+    } else if (self->reset_each ? send_resets(self)
+                                : send_all(self, (enum nmt_command)self->reset_command)) {
         self->reset_due = false;
         self->deadline = now + CO_MS(self->config->boot_delay);
         self->deadline_max = self->deadline + BOOT_UPS_LIMIT;
@@ -349,14 +391,12 @@ static void resume_stopped(struct manager *self, co_us_t now)
 
 void boot_network_resume(struct manager *self, co_us_t now)
 {
-    enum nmt_command command = boot_network_reset_command(self);
-
     if (self->state == NETWORK_STOPPED) {
         resume_stopped(self, now);
         return;
     }
-    slave_command(&self->device, command, now, &self->inner);
-    boot_network_begin(self, command, now);
+    slave_command(&self->device, first_command(self), now, &self->inner);
+    boot_network_start(self, now);
 }
 
 void boot_network_on_time(struct manager *self, co_us_t now)

@@ -15,10 +15,13 @@
 
 /* All frames and events below go to manager->inner. */
 
+/*
+ * At power on, and when the bus is back: resets all nodes, each by itself where one is to be kept alive, that one not, and
+ * boots them.
+ */
+void boot_network_start(struct manager *self, co_us_t now);
 /* Resets all nodes with this command and boots them. */
 void boot_network_begin(struct manager *self, enum nmt_command command, co_us_t now);
-/* The reset that boots it as at the start. */
-enum nmt_command boot_network_reset_command(const struct manager *self);
 /* Nothing is sent or expected until it is resumed: that boots all anew; STOPPED stays so. */
 void boot_network_suspend(struct manager *self, co_us_t now);
 void boot_network_resume(struct manager *self, co_us_t now);
@@ -47,6 +50,6 @@ void boot_network_reset_node(struct manager *self, struct boot_node *node, enum 
 /* error_control.c: a boot-up message, a heartbeat, a lost node (CiA 302-2, "error control"). */
 void error_control_on_frame(struct manager *self, const struct co_frame *frame, co_us_t now);
 void error_control_on_lost(struct manager *self, uint8_t node, co_us_t now);
-void error_control_on_alive(struct manager *self, uint8_t node);
+void error_control_on_alive(struct manager *self, uint8_t node, co_us_t now);
 
 #endif

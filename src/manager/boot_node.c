@@ -14,7 +14,7 @@ void boot_node_init(struct boot_node *self, uint8_t node, const struct node_conf
     self->config = config;
     self->deadline = CO_NEVER;
     self->nmt_state = NMT_INITIALISING;
-    hb_consumer_init(&self->heartbeat, node);
+    supervision_init(&self->supervision, node);
 }
 
 bool boot_node_is_booted_by_master(const struct boot_node *self)
@@ -67,6 +67,7 @@ static void fail(struct boot_node *self, const struct boot_failure *failure, co_
     if (failure->letter == 'B') {
         self->nmt_state = NMT_INITIALISING;
         self->absent = failure->outcome != SDO_OUTCOME_ABORTED;
+        self->state_known = false;
     }
     if (!boot_failure_is_same(failure, &self->told)) {
         self->told = *failure;
@@ -108,8 +109,12 @@ static void succeed(struct boot_node *self, struct co_outbox *out)
     self->attempts = 0;
     self->failure = (struct boot_failure){ .letter = 0 };
     self->told = self->failure;
-    put_event(self, (struct co_event){ .type = MANAGER_NODE_BOOTED }, out);
-    enter(self, BOOT_READY, out);
+    self->state_known = false; /* of the next boot */
+    put_event(self,
+              (struct co_event){ .type = MANAGER_NODE_BOOTED,
+                                 .detail = self->kept_alive ? 'L' : 0 },
+              out);
+    enter(self, self->kept_alive ? BOOT_STARTED : BOOT_READY, out);
 }
 
 /* --- reads and writes --- */
@@ -155,27 +160,16 @@ static void write_object(struct boot_node *self, const struct ccf_entry *entry)
 
 /* --- the steps, last one first: each goes on to the next when it has nothing to do --- */
 
-/* A heartbeat of this attempt that is not too old counts: the producer runs. */
-static void take_up_heartbeat(struct boot_node *self, co_us_t now, struct co_outbox *out)
-{
-    struct co_frame last = nmt_error_control_frame(self->config->node_id, self->last_state);
-
-    if (self->last_heartbeat && now - self->last_heartbeat < self->heartbeat.period)
-        hb_consumer_on_frame(&self->heartbeat, &last, self->last_heartbeat, out);
-}
-
 static void enter_error_control(struct boot_node *self, co_us_t now, struct co_outbox *out)
 {
-    co_us_t period = CO_MS(self->config->consumer_heartbeat_time);
+    co_us_t limit;
 
-    hb_consumer_start(&self->heartbeat, period);
-    if (period == 0) {
+    if (self->config->consumer_heartbeat_time != 0)
+        enter(self, BOOT_ERROR_CONTROL, out);
+    if (supervision_start(&self->supervision, self->config, now, out, &limit))
+        self->deadline = limit;
+    else
         succeed(self, out);
-        return;
-    }
-    enter(self, BOOT_ERROR_CONTROL, out);
-    self->deadline = now + period;
-    take_up_heartbeat(self, now, out);
 }
 
 static void enter_save(struct boot_node *self, co_us_t now, struct co_outbox *out)
@@ -242,6 +236,17 @@ static void enter_check_configuration(struct boot_node *self, co_us_t now, struc
     read_object(self, 0x1020, self->part);
 }
 
+/* A node to be kept alive is left alone if it is operational. */
+static void enter_check_state(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    if (!self->config->check_node_state || self->state_known) {
+        enter_check_configuration(self, now, out);
+        return;
+    }
+    enter(self, BOOT_CHECK_STATE, out);
+    self->deadline = supervision_ask(&self->supervision, self->config, now, out);
+}
+
 struct identity {
     uint8_t sub;
     char letter;
@@ -267,7 +272,7 @@ static void read_identity_from(struct boot_node *self, uint8_t sub, co_us_t now,
     while (sub <= 4 && identity_of(self, sub).expected == 0)
         sub++;
     if (sub > 4) {
-        enter_check_configuration(self, now, out);
+        enter_check_state(self, now, out);
         return;
     }
     if (self->step != BOOT_IDENTITY)
@@ -319,7 +324,8 @@ static bool compare(struct boot_node *self, char letter, uint32_t expected, co_u
 /* Absent when it was reset, and back without a boot-up message: who knows in which state. */
 static bool has_missed_reset(const struct boot_node *self)
 {
-    return self->absent && !self->reset_heard && !self->reset_repeated;
+    return self->absent && !self->reset_heard && !self->reset_repeated &&
+           !self->config->check_node_state;
 }
 
 static void on_device_type(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out)
@@ -338,6 +344,17 @@ static void on_device_type(struct boot_node *self, bool ok, co_us_t now, struct 
         self->nmt_state = NMT_PREOPERATIONAL;
     if (compare(self, 'C', self->config->device_type, now, out))
         read_identity_from(self, 1, now, out);
+}
+
+static void on_state_known(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    self->nmt_state = self->supervision.last_state;
+    if (self->nmt_state == NMT_OPERATIONAL) {
+        self->kept_alive = true;
+        enter_error_control(self, now, out);
+    } else {
+        boot_node_reset(self, boot_node_reset_command(self), now, out);
+    }
 }
 
 static void on_identity(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out)
@@ -416,12 +433,14 @@ void boot_node_stop(struct boot_node *self)
     self->reset_heard = false;
     self->absent = false;
     self->reset_repeated = false;
+    self->state_known = false;
+    self->kept_alive = false;
     self->request_due = false;
     self->attempts = 0;
     self->nmt_state = NMT_INITIALISING;
-    self->last_heartbeat = 0;
+    supervision_forget(&self->supervision);
     self->told = (struct boot_failure){ .letter = 0 };
-    hb_consumer_start(&self->heartbeat, 0);
+    supervision_stop(&self->supervision);
 }
 
 void boot_node_begin(struct boot_node *self, co_us_t now, struct co_outbox *out)
@@ -432,7 +451,8 @@ void boot_node_begin(struct boot_node *self, co_us_t now, struct co_outbox *out)
     self->request_due = false;
     self->held = false;
     self->lost = false;
-    hb_consumer_start(&self->heartbeat, 0);
+    self->kept_alive = false;
+    supervision_stop(&self->supervision);
     if (!self->config->auto_start_slave) { /* only its error control is the master's */
         enter_error_control(self, now, out);
         return;
@@ -449,10 +469,11 @@ void boot_node_reset(struct boot_node *self, enum nmt_command command, co_us_t n
     self->request_due = false;
     self->reset_heard = false;
     self->absent = false;
-    self->last_heartbeat = 0;
+    supervision_forget(&self->supervision);
     self->nmt_state = NMT_INITIALISING;
     self->reset_command = (uint8_t)command;
-    hb_consumer_start(&self->heartbeat, 0);
+    self->state_known = true;
+    supervision_stop(&self->supervision);
     enter(self, BOOT_RESET, out);
     self->reset_due = true;
     self->deadline = now;
@@ -475,20 +496,23 @@ void boot_node_commanded(struct boot_node *self, enum nmt_command command)
     self->unfollowed = 0;
     self->step = command == NMT_START ? BOOT_STARTED : BOOT_READY;
     self->held = command != NMT_START;
-    if (self->heartbeat.period == 0)
+    if (!supervision_is_on(&self->supervision))
         self->nmt_state = (uint8_t)nmt_next_state((enum nmt_state)self->nmt_state, command);
 }
 
 /* --- error control --- */
 
-void boot_node_on_boot_up(struct boot_node *self)
+void boot_node_on_boot_up(struct boot_node *self, const struct co_frame *frame, co_us_t now,
+                          struct co_outbox *out)
 {
     bool is_watched_only = !boot_node_is_booted_by_master(self) || !self->config->auto_start_slave;
 
     self->nmt_state = is_watched_only ? NMT_PREOPERATIONAL : NMT_INITIALISING;
     self->reset_heard = true;
     self->stopped = false;
-    self->last_heartbeat = 0;
+    self->state_known = true;
+    supervision_on_frame(&self->supervision, frame, now, out);
+    supervision_forget(&self->supervision);
 }
 
 /* A node that was started and has never followed: the command is repeated, a few times. */
@@ -505,8 +529,8 @@ static void check_followed(struct boot_node *self)
 /* It has failed for want of a heartbeat, and here is a steady one. */
 static bool is_steady_at_last(const struct boot_node *self, co_us_t now)
 {
-    return self->step == BOOT_FAILED && self->failure.letter == 'K' && self->last_heartbeat &&
-           now - self->last_heartbeat < self->heartbeat.period;
+    return self->step == BOOT_FAILED && self->failure.letter == 'K' &&
+           supervision_is_alive(&self->supervision, now);
 }
 
 void boot_node_on_error_control(struct boot_node *self, const struct co_frame *frame, co_us_t now,
@@ -517,9 +541,7 @@ void boot_node_on_error_control(struct boot_node *self, const struct co_frame *f
 
     if (!nmt_parse_error_control(frame, &node, &state) || state == NMT_INITIALISING)
         return;
-    self->last_heartbeat = now;
-    self->last_state = state;
-    hb_consumer_on_frame(&self->heartbeat, frame, now, out);
+    supervision_on_frame(&self->supervision, frame, now, out);
     if (state != self->nmt_state) {
         self->nmt_state = state;
         put_event(self, (struct co_event){ .type = MANAGER_NODE_STATE, .detail = state }, out);
@@ -530,10 +552,12 @@ void boot_node_on_error_control(struct boot_node *self, const struct co_frame *f
         enter_error_control(self, now, out);
 }
 
-void boot_node_on_heartbeat(struct boot_node *self, struct co_outbox *out)
+void boot_node_on_alive(struct boot_node *self, co_us_t now, struct co_outbox *out)
 {
     if (self->step == BOOT_ERROR_CONTROL)
         succeed(self, out);
+    else if (self->step == BOOT_CHECK_STATE)
+        on_state_known(self, now, out);
 }
 
 /* --- time --- */
@@ -566,26 +590,31 @@ static void on_reset_time(struct boot_node *self, co_us_t now, struct co_outbox 
     self->deadline = now + CO_MS(self->config->boot_delay);
 }
 
-static void on_no_heartbeat(struct boot_node *self, co_us_t now, struct co_outbox *out)
+bool boot_node_on_silence(struct boot_node *self, co_us_t now, struct co_outbox *out)
 {
-    struct boot_failure failure = { .letter = 'K',
+    bool checks = self->step == BOOT_CHECK_STATE;
+    bool guarded = self->config->consumer_heartbeat_time == 0;
+    struct boot_failure failure = { .letter = !checks ? 'K' : guarded ? 'F' : 'E',
                                     .step = self->step,
                                     .expected = self->config->consumer_heartbeat_time };
 
+    if (!checks && self->step != BOOT_ERROR_CONTROL)
+        return false;
     fail(self, &failure, now, out);
+    return true;
 }
 
 void boot_node_on_time(struct boot_node *self, co_us_t now, struct co_outbox *out)
 {
-    hb_consumer_on_time(&self->heartbeat, now, out);
+    supervision_on_time(&self->supervision, now, out);
     if (self->start_due)
         send_start(self, out);
     if (now < self->deadline)
         return;
     if (self->step == BOOT_RESET)
         on_reset_time(self, now, out);
-    else if (self->step == BOOT_ERROR_CONTROL)
-        on_no_heartbeat(self, now, out);
+    else if (self->step == BOOT_ERROR_CONTROL || self->step == BOOT_CHECK_STATE)
+        boot_node_on_silence(self, now, out);
     else if (self->step == BOOT_RETRY && self->reset_due)
         boot_node_reset(self, (enum nmt_command)self->reset_command, now, out);
     else if (self->step == BOOT_RETRY)
@@ -594,7 +623,7 @@ void boot_node_on_time(struct boot_node *self, co_us_t now, struct co_outbox *ou
 
 co_us_t boot_node_deadline(const struct boot_node *self)
 {
-    co_us_t deadline = co_earlier(self->deadline, hb_consumer_deadline(&self->heartbeat));
+    co_us_t deadline = co_earlier(self->deadline, supervision_deadline(&self->supervision));
 
     return self->start_due ? 0 : deadline;
 }

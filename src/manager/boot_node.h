@@ -26,7 +26,7 @@
 #include "manager/event.h"
 #include "manager/network_config.h"
 #include "manager/sdo_channel.h"
-#include "proto/heartbeat.h"
+#include "manager/supervision.h"
 #include "proto/nmt.h"
 
 #define BOOT_READ_TRIES     3u           /* of a read that gets no answer */
@@ -46,13 +46,14 @@ enum boot_step {
     BOOT_READY = 8,
     BOOT_STARTED = 9,
     BOOT_RETRY = 10,
-    BOOT_FAILED = 11
+    BOOT_FAILED = 11,
+    BOOT_CHECK_STATE = 12 /* of a node to be kept alive, behind IDENTITY */
 };
 
 struct boot_node {
     const struct node_config *config; /* NULL: not in the configuration */
     uint8_t step;                     /* enum boot_step */
-    uint8_t nmt_state; /* reported, or assumed where there is no heartbeat; INITIALISING: offline */
+    uint8_t nmt_state; /* reported, or assumed without error control; INITIALISING: offline */
     bool tried;        /* one attempt has ended, well or not */
     bool booted;       /* the last attempt ended well */
     bool start_due;    /* to be started as soon as there is room */
@@ -62,6 +63,8 @@ struct boot_node {
     bool absent;  /* ... and once did not answer since then */
     bool reset_repeated; /* because it has missed it; once until it has booted */
     uint8_t unfollowed;  /* heartbeats that tell another state than the start command asked for */
+    bool state_known;    /* CHECK_STATE: it was reset, it need not be asked again */
+    bool kept_alive;     /* it was found operational: not configured, not started */
     bool lost;           /* silent, and left to the application */
     bool held;           /* taken out of operation by the application: only it starts the node */
     uint8_t reset_command;
@@ -77,9 +80,7 @@ struct boot_node {
     struct ccf_reader reader;
     struct ccf_entry entry; /* being written */
     uint32_t entry_number;
-    struct hb_consumer heartbeat;
-    co_us_t last_heartbeat; /* of this attempt; 0: none */
-    uint8_t last_state;
+    struct supervision supervision;
 };
 
 void boot_node_init(struct boot_node *self, uint8_t node, const struct node_config *config);
@@ -107,12 +108,15 @@ void boot_node_commanded(struct boot_node *self, enum nmt_command command);
 void boot_node_stop(struct boot_node *self);
 
 /* Its boot-up message: the owner decides what to do about it. */
-void boot_node_on_boot_up(struct boot_node *self);
+void boot_node_on_boot_up(struct boot_node *self, const struct co_frame *frame, co_us_t now,
+                          struct co_outbox *out);
 void boot_node_on_sdo(struct boot_node *self, co_us_t now, struct co_outbox *out);
 void boot_node_on_error_control(struct boot_node *self, const struct co_frame *frame, co_us_t now,
                                 struct co_outbox *out);
-/* Step ERROR_CONTROL goes on when the node's heartbeat has come. */
-void boot_node_on_heartbeat(struct boot_node *self, struct co_outbox *out);
+/* Steps CHECK_STATE and ERROR_CONTROL go on when the node has told its state ... */
+void boot_node_on_alive(struct boot_node *self, co_us_t now, struct co_outbox *out);
+/* ... and end when it does not. True if that was what the silence means. */
+bool boot_node_on_silence(struct boot_node *self, co_us_t now, struct co_outbox *out);
 void boot_node_on_time(struct boot_node *self, co_us_t now, struct co_outbox *out);
 co_us_t boot_node_deadline(const struct boot_node *self);
 

@@ -135,17 +135,31 @@ static void add_difference(struct text *text, const struct node_config *config,
         add(text, ", or remove %s to skip the check", known->element);
 }
 
+/* E and F: asked before it is reset; K: at the end of its boot. */
+static void add_silence(struct text *text, const struct boot_failure *failure)
+{
+    if (failure->letter == 'F')
+        add(text, "no answer to guarding within %u ms: the state of this node, which is to be kept "
+                  "alive (NMT_Check_Nodestate), is not known; it is not reset",
+            (unsigned)(SUPERVISION_ASK_TIMEOUT / 1000u));
+    else if (failure->letter == 'E')
+        add(text, "no heartbeat within %u ms: the state of this node, which is to be kept alive "
+                  "(NMT_Check_Nodestate), is not known; it is not reset",
+            failure->expected);
+    else
+        add(text, "no heartbeat within %u ms (Consumer_Heartbeat_Time): does the configuration set "
+                  "1017h to a shorter time?",
+            failure->expected);
+}
+
 static void add_failure(struct text *text, const struct node_config *config,
                         const struct boot_failure *failure)
 {
     add(text, "boot error %c: ", failure->letter);
     if (failure->letter == 'J')
         add_write_failure(text, config, failure);
-    else if (failure->letter == 'K')
-        add(text,
-            "no heartbeat within %u ms (Consumer_Heartbeat_Time): does the configuration set 1017h "
-            "to a shorter time?",
-            failure->expected);
+    else if (failure->letter == 'E' || failure->letter == 'F' || failure->letter == 'K')
+        add_silence(text, failure);
     else if (failure->outcome != SDO_OUTCOME_OK)
         add_read_failure(text, config, failure);
     else
@@ -171,6 +185,7 @@ static const char *const step_texts[] = {
     [BOOT_IDENTITY] = "checks its identity",
     [BOOT_CHECK_CONFIGURATION] = "checks its configuration date",
     [BOOT_SAVE] = "saves its configuration",
+    [BOOT_CHECK_STATE] = "asks for its state, it is to be kept alive",
 };
 
 /* False for steps that other events tell. */
@@ -211,12 +226,15 @@ static bool add_good_news(struct text *text, const struct node_config *node,
         add(text, " is %08Xh", (unsigned)event->actual);
         return true;
     case MANAGER_NODE_UP_TO_DATE: add(text, "is configured already (1020h)"); return true;
-    case MANAGER_NODE_BOOTED: add(text, "booted"); return true;
+    case MANAGER_NODE_BOOTED:
+        add(text, event->detail == 'L' ? "is running already: kept alive (L)" : "booted");
+        return true;
     case MANAGER_NODE_STARTED: add(text, "start command sent"); return true;
     case MANAGER_STATE:
     case MANAGER_NODE_STATE: add(text, "is %s", nmt_state_text(event->detail)); return true;
     case MANAGER_NODE_BACK:
-        add(text, "heartbeat is back, %s", nmt_state_text(event->detail));
+        add(text, "%s, %s", event->actual ? "answers guarding again" : "heartbeat is back",
+            nmt_state_text(event->detail));
         return true;
     case MANAGER_NODE_BOOT_UP:
         add(text, "boot-up message%s", event->actual ? "" : " of a node that is not configured");
@@ -236,8 +254,12 @@ static bool add_bad_news(struct text *text, const struct node_config *node,
         add_failure(text, node, &failure);
         return true;
     case MANAGER_NODE_LOST:
-        add(text, "heartbeat lost: silent for %u ms, was %s", (unsigned)event->expected,
-            nmt_state_text(event->detail));
+        add(text, "%s %u ms, was %s",
+            event->actual ? "no answer to guarding for" : "heartbeat lost: silent for",
+            (unsigned)event->expected, nmt_state_text(event->detail));
+        return true;
+    case MANAGER_NODE_TOGGLE:
+        add(text, "guarding toggle error no %u", (unsigned)event->actual);
         return true;
     case MANAGER_EMCY: add_emergency(text, event); return true;
     default: return false;
@@ -322,7 +344,7 @@ bool boot_text_event(const struct network_config *config, const struct co_event 
         *ret_severity = CO_INFO;
         return true;
     }
-    *ret_severity = event->type == MANAGER_EMCY ? CO_WARNING : CO_ERROR;
+    *ret_severity = event->type == MANAGER_EMCY || event->type == MANAGER_NODE_TOGGLE ? CO_WARNING : CO_ERROR;
     return add_bad_news(&line, node, event);
 }
 
@@ -341,6 +363,7 @@ static const char *const wait_texts[] = {
     [BOOT_STARTED] = "started",
     [BOOT_RETRY] = "failed",
     [BOOT_FAILED] = "failed",
+    [BOOT_CHECK_STATE] = "waits for it to tell its state",
 };
 
 static const char *waits_for(const struct boot_node *node)

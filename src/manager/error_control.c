@@ -6,7 +6,8 @@ static void put_event(struct manager *self, struct co_event event)
 }
 
 /* A node has come up, by our reset or by itself. */
-static void on_boot_up(struct manager *self, uint8_t node_id, co_us_t now)
+static void on_boot_up(struct manager *self, uint8_t node_id, const struct co_frame *frame,
+                       co_us_t now)
 {
     struct boot_node *node = &self->nodes[node_id];
 
@@ -15,7 +16,7 @@ static void on_boot_up(struct manager *self, uint8_t node_id, co_us_t now)
                                        .actual = node->config != NULL });
     if (!node->config)
         return;
-    boot_node_on_boot_up(node);
+    boot_node_on_boot_up(node, frame, now, &self->inner);
     if (self->state == NETWORK_RESETTING)
         boot_network_on_boot_up(self, now); /* booted at the end of the boot delay */
     if (self->state == NETWORK_OFF || self->state == NETWORK_RESETTING)
@@ -34,12 +35,24 @@ void error_control_on_frame(struct manager *self, const struct co_frame *frame, 
     if (!nmt_parse_error_control(frame, &node_id, &state))
         return;
     if (state == NMT_INITIALISING) {
-        on_boot_up(self, node_id, now);
+        on_boot_up(self, node_id, frame, now);
         return;
     }
     node = &self->nodes[node_id];
     if (node->config)
         boot_node_on_error_control(node, frame, now, &self->inner);
+}
+
+static bool is_guarded(const struct node_config *config)
+{
+    return config->consumer_heartbeat_time == 0;
+}
+
+/* ms until a node counts as lost */
+static unsigned silence_of(const struct node_config *config)
+{
+    return is_guarded(config) ? (unsigned)config->guard_time * config->life_time_factor
+                              : config->consumer_heartbeat_time;
 }
 
 /*
@@ -51,13 +64,13 @@ void error_control_on_lost(struct manager *self, uint8_t node_id, co_us_t now)
     struct boot_node *node = &self->nodes[node_id];
     enum action_on_error action = self->config->action_on_error;
 
-    if (node->step == BOOT_FAILED) /* not in operation */
-        return;
-
+    if (node->step == BOOT_FAILED || boot_node_on_silence(node, now, &self->inner))
+        return; /* it was not in operation */
     put_event(self, (struct co_event){ .type = MANAGER_NODE_LOST,
                                        .node = node_id,
                                        .detail = node->nmt_state,
-                                       .expected = node->config->consumer_heartbeat_time });
+                                       .expected = silence_of(node->config),
+                                       .actual = is_guarded(node->config) });
     node->nmt_state = NMT_INITIALISING;
     node->lost = true;
     if (node->config->mandatory && action == ACTION_STOP_ALL) {
@@ -65,12 +78,14 @@ void error_control_on_lost(struct manager *self, uint8_t node_id, co_us_t now)
     } else if (node->config->mandatory && action == ACTION_RESET_ALL) {
         slave_command(&self->device, NMT_RESET_NODE, now, &self->inner);
         boot_network_begin(self, NMT_RESET_NODE, now);
+    } else if (node->config->auto_start_slave && node->config->check_node_state) {
+        boot_network_reboot(self, node, now); /* no reset if it is found operational */
     } else if (node->config->auto_start_slave) {
         boot_network_reset_node(self, node, boot_node_reset_command(node), now);
     }
 }
 
-void error_control_on_alive(struct manager *self, uint8_t node_id)
+void error_control_on_alive(struct manager *self, uint8_t node_id, co_us_t now)
 {
     struct boot_node *node = &self->nodes[node_id];
 
@@ -78,7 +93,8 @@ void error_control_on_alive(struct manager *self, uint8_t node_id)
         put_event(self, (struct co_event){ .type = MANAGER_NODE_BACK,
                                            .node = node_id,
                                            .detail = node->nmt_state,
-                                           .expected = node->config->consumer_heartbeat_time });
+                                           .expected = silence_of(node->config),
+                                           .actual = is_guarded(node->config) });
     node->lost = false;
-    boot_node_on_heartbeat(node, &self->inner);
+    boot_node_on_alive(node, now, &self->inner);
 }

@@ -19,8 +19,10 @@ enum manager_event {
     MANAGER_NODE_STARTED,    /* node */
     MANAGER_NODE_STATE,      /* node, detail: NMT state it reports */
     MANAGER_NODE_BOOT_UP,    /* node; actual: 1 if the configuration knows it */
-    MANAGER_NODE_LOST,       /* node, expected: ms of silence; detail: its last state */
-    MANAGER_NODE_BACK,       /* node, detail: its state; expected: consumer heartbeat time, ms */
+    MANAGER_NODE_LOST,       /* node, expected: ms of silence; detail: its last state; actual: 1 if
+                                it was guarded */
+    MANAGER_NODE_TOGGLE,     /* node, actual: answers with a wrong toggle bit so far */
+    MANAGER_NODE_BACK,       /* node, detail: its state; expected, actual: as with LOST */
     MANAGER_EMCY,            /* node, code, detail: error register, data: 8 bytes */
     MANAGER_SECOND_MASTER,   /* an NMT command of another master: detail: command, node */
     MANAGER_REQUEST_DONE     /* node: a request of the application has ended */

@@ -60,8 +60,10 @@ static bool consume(struct manager *self, const struct co_event *event, co_us_t 
 {
     switch (event->type) {
     case PROTO_SDO_DONE: on_sdo_done(self, event, now); return true;
-    case PROTO_HB_STATE: error_control_on_alive(self, event->node); return true;
-    case PROTO_HB_LOST: error_control_on_lost(self, event->node, now); return true;
+    case PROTO_HB_STATE:
+    case PROTO_GUARD_STATE: error_control_on_alive(self, event->node, now); return true;
+    case PROTO_HB_LOST:
+    case PROTO_GUARD_LOST: error_control_on_lost(self, event->node, now); return true;
     case SLAVE_WRITTEN:
     case SLAVE_EMCY: return true;
     default: return false;
@@ -72,6 +74,8 @@ static struct co_event translate(const struct manager *self, const struct co_eve
 {
     struct co_event outer = *event;
 
+    if (event->type == PROTO_GUARD_TOGGLE)
+        outer.type = MANAGER_NODE_TOGGLE;
     if (event->type == SLAVE_STATE) {
         outer.type = MANAGER_STATE;
         outer.node = self->config->manager_node_id;
@@ -222,7 +226,7 @@ void manager_start(struct manager *self, co_us_t now, struct co_outbox *out)
 {
     slave_start(&self->device, now, &self->inner);
     if (self->config->nmt_master)
-        boot_network_begin(self, boot_network_reset_command(self), now);
+        boot_network_start(self, now);
     else if (self->config->auto_operational)
         slave_command(&self->device, NMT_START, now, &self->inner);
     settle(self, now, out);

@@ -6,20 +6,15 @@
 static const struct not_yet {
     const char *element;
     bool even_default;  /* refused whatever its value; else only with another than its default */
-    const char *also;   /* only if this one is used as well ... */
-    const char *unless; /* ... and this one is not */
     const char *text;
 } not_yet[] = {
-    { "Sync_Interval", true, NULL, NULL, "the SYNC producer is not supported yet" },
-    { "Guard_Time", false, "Life_Time_Factor", "Consumer_Heartbeat_Time",
-      "node guarding is not supported yet; use Consumer_Heartbeat_Time" },
-    { "NMT_Check_Nodestate", false, NULL, NULL, "keeping a node alive is not supported yet" },
-    { "NMT_Verify_Software", false, NULL, NULL, "the software check is not supported yet" },
-    { "NMT_Allow_Software_Update", false, NULL, NULL, "the software update is not supported yet" },
-    { "Software_Identification", false, NULL, NULL, "the software check is not supported yet" },
-    { "Software_File", false, NULL, NULL, "the software update is not supported yet" },
-    { "Verify_Configuration", false, NULL, NULL, "comparing before writing is not supported yet" },
-    { "SDO_Block_Size", false, NULL, NULL, "SDO block transfer is not supported yet" },
+    { "Sync_Interval", true, "the SYNC producer is not supported yet" },
+    { "NMT_Verify_Software", false, "the software check is not supported yet" },
+    { "NMT_Allow_Software_Update", false, "the software update is not supported yet" },
+    { "Software_Identification", false, "the software check is not supported yet" },
+    { "Software_File", false, "the software update is not supported yet" },
+    { "Verify_Configuration", false, "comparing before writing is not supported yet" },
+    { "SDO_Block_Size", false, "SDO block transfer is not supported yet" },
 };
 
 /* The line of a valid element; 0: not there. */
@@ -37,10 +32,7 @@ static bool is_used(const struct element_table *table, const char *name, const v
 static bool is_refused(const struct not_yet *row, const struct element_table *table,
                        const void *base)
 {
-    if (!row->even_default && !is_used(table, row->element, base))
-        return false;
-    return (!row->also || is_used(table, row->also, base)) &&
-           (!row->unless || !is_used(table, row->unless, base));
+    return row->even_default || is_used(table, row->element, base);
 }
 
 static void check_not_yet(const struct element_table *table, const struct element_lines *lines,
@@ -115,6 +107,11 @@ static void check_error_control(const struct node_config *config, const struct e
         config->life_time_factor != 0)
         faults_note(faults, CO_INFO, valid_line(&node_elements, lines, "Guard_Time"),
                     "Guard_Time: not used, Consumer_Heartbeat_Time takes its place");
+    if (config->check_node_state && config->consumer_heartbeat_time == 0 &&
+        (config->guard_time == 0 || config->life_time_factor == 0))
+        faults_note(faults, CO_WARNING, valid_line(&node_elements, lines, "NMT_Check_Nodestate"),
+                    "NMT_Check_Nodestate: without Consumer_Heartbeat_Time the state is asked for "
+                    "by guarding");
 }
 
 void check_node(const struct node_config *config, const struct element_lines *lines,

@@ -52,7 +52,7 @@ START_TEST(test_loss)
         PLANT_NODE(5, HEARTBEAT "<NMT_Reset_Node>TRUE</NMT_Reset_Node>") PLANT_NODE(6, HEARTBEAT),
     };
     struct plant *plant = run_plant(xml[_i]);
-    co_us_t last = plant_node(plant, 5)->last_heartbeat;
+    co_us_t last = plant_node(plant, 5)->supervision.last_heartbeat;
 
     plant_power(plant, 5, false);
     sim_run(&plant->sim, last + CO_MS(500) - 1);

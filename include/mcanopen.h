@@ -412,10 +412,10 @@ enum {
     MCANOPEN_STEP_CONFIGURE = 5,
     MCANOPEN_STEP_SAVE = 6, /* 1010h */
     MCANOPEN_STEP_ERROR_CONTROL = 7,
-    MCANOPEN_STEP_READY = 8,   /* booted, waits for its start */
-    MCANOPEN_STEP_STARTED = 9, /* booted and started */
-    MCANOPEN_STEP_RETRY = 10,  /* waits to try again */
-    MCANOPEN_STEP_FAILED = 11, /* will not try again by itself */
+    MCANOPEN_STEP_READY = 8,       /* booted, waits for its start */
+    MCANOPEN_STEP_STARTED = 9,     /* booted and started */
+    MCANOPEN_STEP_RETRY = 10,      /* waits to try again */
+    MCANOPEN_STEP_FAILED = 11,     /* will not try again by itself */
     MCANOPEN_STEP_CHECK_STATE = 12 /* between IDENTITY and CHECK_CONFIGURATION: is it running? */
 };
 

@@ -317,8 +317,8 @@ static bool send_all(struct manager *self, enum nmt_command command)
 static bool send_resets(struct manager *self)
 {
     FOR_EACH_NODE(self, node) {
-        struct co_frame frame =
-            nmt_command_frame(boot_node_reset_command(node), node->config->node_id);
+        struct co_frame frame = nmt_command_frame(boot_node_reset_command(node),
+                                                  node->config->node_id);
 
         if (!node->reset_due)
             continue;

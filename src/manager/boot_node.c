@@ -110,10 +110,10 @@ static void succeed(struct boot_node *self, struct co_outbox *out)
     self->failure = (struct boot_failure){ .letter = 0 };
     self->told = self->failure;
     self->state_known = false; /* of the next boot */
-    put_event(self,
-              (struct co_event){ .type = MANAGER_NODE_BOOTED,
-                                 .detail = self->kept_alive ? 'L' : 0 },
-              out);
+    put_event(
+        self,
+        (struct co_event){ .type = MANAGER_NODE_BOOTED, .detail = self->kept_alive ? 'L' : 0 },
+        out);
     enter(self, self->kept_alive ? BOOT_STARTED : BOOT_READY, out);
 }
 
@@ -594,7 +594,9 @@ bool boot_node_on_silence(struct boot_node *self, co_us_t now, struct co_outbox 
 {
     bool checks = self->step == BOOT_CHECK_STATE;
     bool guarded = self->config->consumer_heartbeat_time == 0;
-    struct boot_failure failure = { .letter = !checks ? 'K' : guarded ? 'F' : 'E',
+    struct boot_failure failure = { .letter = !checks   ? 'K'
+                                              : guarded ? 'F'
+                                                        : 'E',
                                     .step = self->step,
                                     .expected = self->config->consumer_heartbeat_time };
 

@@ -139,16 +139,19 @@ static void add_difference(struct text *text, const struct node_config *config,
 static void add_silence(struct text *text, const struct boot_failure *failure)
 {
     if (failure->letter == 'F')
-        add(text, "no answer to guarding within %u ms: the state of this node, which is to be kept "
-                  "alive (NMT_Check_Nodestate), is not known; it is not reset",
+        add(text,
+            "no answer to guarding within %u ms: the state of this node, which is to be kept "
+            "alive (NMT_Check_Nodestate), is not known; it is not reset",
             (unsigned)(SUPERVISION_ASK_TIMEOUT / 1000u));
     else if (failure->letter == 'E')
-        add(text, "no heartbeat within %u ms: the state of this node, which is to be kept alive "
-                  "(NMT_Check_Nodestate), is not known; it is not reset",
+        add(text,
+            "no heartbeat within %u ms: the state of this node, which is to be kept alive "
+            "(NMT_Check_Nodestate), is not known; it is not reset",
             failure->expected);
     else
-        add(text, "no heartbeat within %u ms (Consumer_Heartbeat_Time): does the configuration set "
-                  "1017h to a shorter time?",
+        add(text,
+            "no heartbeat within %u ms (Consumer_Heartbeat_Time): does the configuration set "
+            "1017h to a shorter time?",
             failure->expected);
 }
 
@@ -344,7 +347,8 @@ bool boot_text_event(const struct network_config *config, const struct co_event 
         *ret_severity = CO_INFO;
         return true;
     }
-    *ret_severity = event->type == MANAGER_EMCY || event->type == MANAGER_NODE_TOGGLE ? CO_WARNING : CO_ERROR;
+    *ret_severity = event->type == MANAGER_EMCY || event->type == MANAGER_NODE_TOGGLE ? CO_WARNING
+                                                                                      : CO_ERROR;
     return add_bad_news(&line, node, event);
 }
 

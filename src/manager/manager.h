@@ -52,7 +52,7 @@ struct manager {
     bool bus_lost;                                     /* see manager_on_bus() */
     bool up_told;       /* MANAGER_NETWORK_UP was given since the last start */
     bool reset_due;     /* RESETTING: the command is still to be sent */
-    bool reset_each;       /* ... to each node that has reset_due, not to all */
+    bool reset_each;    /* ... to each node that has reset_due, not to all */
     bool start_all_due; /* NMT start all is still to be sent */
     bool stop_all_due;  /* NMT stop all is still to be sent */
     uint8_t reset_command;

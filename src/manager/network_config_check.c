@@ -5,7 +5,7 @@
 /* What is refused until the code that does it is there: then its row goes. */
 static const struct not_yet {
     const char *element;
-    bool even_default;  /* refused whatever its value; else only with another than its default */
+    bool even_default; /* refused whatever its value; else only with another than its default */
     const char *text;
 } not_yet[] = {
     { "Sync_Interval", true, "the SYNC producer is not supported yet" },

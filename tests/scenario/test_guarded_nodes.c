@@ -4,8 +4,7 @@
 #include "support/suite.h"
 #include "support/watch.h"
 
-#define GUARDED                                                                                    \
-    "<Guard_Time>100</Guard_Time><Life_Time_Factor>3</Life_Time_Factor>"
+#define GUARDED    "<Guard_Time>100</Guard_Time><Life_Time_Factor>3</Life_Time_Factor>"
 #define KEPT_ALIVE "<NMT_Check_Nodestate>TRUE</NMT_Check_Nodestate>"
 #define HEARTBEAT  "<Consumer_Heartbeat_Time>500</Consumer_Heartbeat_Time>"
 
@@ -52,7 +51,8 @@ START_TEST(test_guarded_node_is_lost)
     plant_run_ms(plant, 1000);
     plant_power(plant, 5, false);
     plant_run_ms(plant, 400);
-    ck_assert(plant_said(plant, "error: node 5: no answer to guarding for 300 ms, was operational"));
+    ck_assert(
+        plant_said(plant, "error: node 5: no answer to guarding for 300 ms, was operational"));
     ck_assert_uint_eq(plant_sent(plant, "000#8205"), 1);
     plant_power(plant, 5, true);
     plant_run_ms(plant, 3000);

@@ -148,8 +148,8 @@ expect 'no DCF' 2 '' '*bad/text.dcf: error: EDS or DCF text expected*' "$dcf2ccf
 expect 'an empty DCF' 2 '' '*bad/empty.dcf: error: EDS or DCF text expected*' \
     "$dcf2ccf" bad/empty.dcf
 expect 'no file' 2 '' 'dcf2ccf: bad/none.dcf: not found' "$dcf2ccf" bad/none.dcf
-expect 'a folder' 2 '' 'dcf2ccf: sub.d: Is a directory' "$dcf2ccf" sub.d
-expect 'no folder for the output' 2 '' '*dcf2ccf: none/a.ccf: No such file or directory' \
+expect 'a folder' 2 '' 'dcf2ccf: sub.d: a folder, expected a file' "$dcf2ccf" sub.d
+expect 'no folder for the output' 2 '' '*dcf2ccf: none/a.ccf: no such file' \
     "$dcf2ccf" device.dcf none/a.ccf
 expect 'a folder as output' 2 '' '*dcf2ccf: bad: *' "$dcf2ccf" device.dcf bad
 expect 'the input as output' 2 '' '*dcf2ccf: device.dcf: File exists' \

@@ -1,5 +1,7 @@
 #include "common_file.h"
 
+#include "api/file.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <stdbool.h>
@@ -110,5 +112,5 @@ void file_report_line(void *context, enum co_severity severity, const char *text
 void file_tell(const char *tool, const char *name, enum co_err err)
 {
     fprintf(stderr, "%s: %s: %s\n", tool, name,
-            err == CO_ERR_IO ? strerror(errno) : co_err_text(err));
+            err == CO_ERR_IO ? strerror(errno) : file_error_text(err));
 }

@@ -16,8 +16,8 @@
 /* All frames and events below go to manager->inner. */
 
 /*
- * At power on, and when the bus is back: resets all nodes, each by itself where one is to be kept alive, that one not, and
- * boots them.
+ * At power on, and when the bus is back: resets all nodes (each by itself where one is to be kept
+ * alive, that one not), and boots them.
  */
 void boot_network_start(struct manager *self, co_us_t now);
 /* Resets all nodes with this command and boots them. */

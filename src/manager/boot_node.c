@@ -1,12 +1,11 @@
 #include "manager/boot_node.h"
 
 #include "base/bytes.h"
+#include "manager/boot_steps.h"
 
 #include <string.h>
 
 #define START_FOLLOWED 6u /* of 'unfollowed': it has followed, or never will */
-
-static const uint8_t save_signature[4] = { 's', 'a', 'v', 'e' };
 
 void boot_node_init(struct boot_node *self, uint8_t node, const struct node_config *config)
 {
@@ -33,24 +32,25 @@ enum nmt_command boot_node_reset_command(const struct boot_node *self)
     return self->config->reset_node ? NMT_RESET_NODE : NMT_RESET_COMMUNICATION;
 }
 
-static void put_event(const struct boot_node *self, struct co_event event, struct co_outbox *out)
+void boot_node_put_event(const struct boot_node *self, struct co_event event, struct co_outbox *out)
 {
     event.node = self->config->node_id;
     co_outbox_put_event(out, &event);
 }
 
-static void enter(struct boot_node *self, enum boot_step step, struct co_outbox *out)
+void boot_node_enter(struct boot_node *self, enum boot_step step, struct co_outbox *out)
 {
     self->step = (uint8_t)step;
     self->deadline = CO_NEVER;
     self->tries = 0;
     if (step == BOOT_DEVICE_TYPE && self->told.letter == 'B')
         return; /* an absent node is asked each second: not news */
-    put_event(self,
-              (struct co_event){ .type = MANAGER_NODE_STEP,
-                                 .detail = (uint8_t)step,
-                                 .actual = step == BOOT_CONFIGURE ? self->reader.left : 0 },
-              out);
+    boot_node_put_event(
+        self,
+        (struct co_event){ .type = MANAGER_NODE_STEP,
+                           .detail = (uint8_t)step,
+                           .actual = step == BOOT_CONFIGURE ? self->reader.left : 0 },
+        out);
 }
 
 /* --- how an attempt ends --- */
@@ -71,7 +71,7 @@ static void fail(struct boot_node *self, const struct boot_failure *failure, co_
     }
     if (!boot_failure_is_same(failure, &self->told)) {
         self->told = *failure;
-        put_event(self, boot_failure_event(failure), out);
+        boot_node_put_event(self, boot_failure_event(failure), out);
     }
     self->step = retry ? BOOT_RETRY : BOOT_FAILED;
     self->deadline = retry ? now + BOOT_RETRY_INTERVAL : CO_NEVER;
@@ -80,7 +80,7 @@ static void fail(struct boot_node *self, const struct boot_failure *failure, co_
     self->reset_command = (uint8_t)boot_node_reset_command(self);
 }
 
-static void fail_request(struct boot_node *self, char letter, co_us_t now, struct co_outbox *out)
+void boot_node_fail_request(struct boot_node *self, char letter, co_us_t now, struct co_outbox *out)
 {
     const struct co_event *result = &self->request.result;
     struct boot_failure failure = {
@@ -110,22 +110,22 @@ static void succeed(struct boot_node *self, struct co_outbox *out)
     self->failure = (struct boot_failure){ .letter = 0 };
     self->told = self->failure;
     self->state_known = false; /* of the next boot */
-    put_event(
+    boot_node_put_event(
         self,
         (struct co_event){ .type = MANAGER_NODE_BOOTED, .detail = self->kept_alive ? 'L' : 0 },
         out);
-    enter(self, self->kept_alive ? BOOT_STARTED : BOOT_READY, out);
+    boot_node_enter(self, self->kept_alive ? BOOT_STARTED : BOOT_READY, out);
 }
 
 /* --- reads and writes --- */
 
-static void want_request(struct boot_node *self, const struct sdo_transfer *transfer)
+void boot_node_want(struct boot_node *self, const struct sdo_transfer *transfer)
 {
     self->request.transfer = *transfer;
     self->request_due = true;
 }
 
-static void read_object(struct boot_node *self, uint16_t index, uint8_t sub)
+void boot_node_read(struct boot_node *self, uint16_t index, uint8_t sub)
 {
     struct sdo_transfer transfer = { .index = index,
                                      .sub = sub,
@@ -134,116 +134,31 @@ static void read_object(struct boot_node *self, uint16_t index, uint8_t sub)
                                      .timeout = CO_MS(self->config->sdo_timeout) };
 
     self->tries++;
-    want_request(self, &transfer);
-}
-
-static co_us_t write_timeout(const struct boot_node *self, uint16_t index)
-{
-    bool flash = index == 0x1010 || index == 0x1011 || (index >= 0x1F50 && index <= 0x1F57);
-    co_us_t timeout = CO_MS(self->config->sdo_timeout);
-
-    return flash && timeout < BOOT_FLASH_TIMEOUT ? BOOT_FLASH_TIMEOUT : timeout;
-}
-
-static void write_object(struct boot_node *self, const struct ccf_entry *entry)
-{
-    struct sdo_transfer transfer = { .download = true,
-                                     .indicate_size = self->config->indicate_size,
-                                     .index = entry->index,
-                                     .sub = entry->sub,
-                                     .source = entry->value,
-                                     .size = entry->size,
-                                     .timeout = write_timeout(self, entry->index) };
-
-    want_request(self, &transfer);
+    boot_node_want(self, &transfer);
 }
 
 /* --- the steps, last one first: each goes on to the next when it has nothing to do --- */
 
-static void enter_error_control(struct boot_node *self, co_us_t now, struct co_outbox *out)
+void boot_node_enter_error_control(struct boot_node *self, co_us_t now, struct co_outbox *out)
 {
     co_us_t limit;
 
     if (self->config->consumer_heartbeat_time != 0)
-        enter(self, BOOT_ERROR_CONTROL, out);
+        boot_node_enter(self, BOOT_ERROR_CONTROL, out);
     if (supervision_start(&self->supervision, self->config, now, out, &limit))
         self->deadline = limit;
     else
         succeed(self, out);
 }
 
-static void enter_save(struct boot_node *self, co_us_t now, struct co_outbox *out)
-{
-    const struct ccf_entry save = {
-        .index = 0x1010, .sub = 1, .size = sizeof save_signature, .value = save_signature
-    };
-
-    if (!self->config->save_configuration) {
-        enter_error_control(self, now, out);
-        return;
-    }
-    enter(self, BOOT_SAVE, out);
-    write_object(self, &save);
-}
-
-static void write_next_entry(struct boot_node *self, co_us_t now, struct co_outbox *out)
-{
-    if (!ccf_read(&self->reader, &self->entry)) {
-        enter_save(self, now, out);
-        return;
-    }
-    self->entry_number++;
-    write_object(self, &self->entry);
-}
-
-static void enter_configure(struct boot_node *self, co_us_t now, struct co_outbox *out)
-{
-    ccf_reader_init(&self->reader, &self->config->ccf);
-    self->entry_number = 0;
-    if (self->reader.left == 0) {
-        enter_error_control(self, now, out);
-        return;
-    }
-    enter(self, BOOT_CONFIGURE, out);
-    write_next_entry(self, now, out);
-}
-
-/*
- * What 1020h should say: from the network's file, else what the configuration itself writes there.
- */
-static uint32_t expected_1020(const struct boot_node *self, uint8_t sub)
-{
-    uint32_t expected = sub == 1 ? self->config->configuration_date
-                                 : self->config->configuration_time;
-    struct ccf_reader reader;
-    struct ccf_entry entry;
-
-    ccf_reader_init(&reader, &self->config->ccf);
-    while (expected == 0 && ccf_read(&reader, &entry))
-        if (entry.index == 0x1020 && entry.sub == sub && entry.size == 4)
-            return get_le32(entry.value);
-    return expected;
-}
-
-static void enter_check_configuration(struct boot_node *self, co_us_t now, struct co_outbox *out)
-{
-    if (expected_1020(self, 1) == 0 || expected_1020(self, 2) == 0) {
-        enter_configure(self, now, out);
-        return;
-    }
-    enter(self, BOOT_CHECK_CONFIGURATION, out);
-    self->part = 1;
-    read_object(self, 0x1020, self->part);
-}
-
 /* A node to be kept alive is left alone if it is operational. */
 static void enter_check_state(struct boot_node *self, co_us_t now, struct co_outbox *out)
 {
     if (!self->config->check_node_state || self->state_known) {
-        enter_check_configuration(self, now, out);
+        configure_node_enter(self, now, out);
         return;
     }
-    enter(self, BOOT_CHECK_STATE, out);
+    boot_node_enter(self, BOOT_CHECK_STATE, out);
     self->deadline = supervision_ask(&self->supervision, self->config, now, out);
 }
 
@@ -276,29 +191,29 @@ static void read_identity_from(struct boot_node *self, uint8_t sub, co_us_t now,
         return;
     }
     if (self->step != BOOT_IDENTITY)
-        enter(self, BOOT_IDENTITY, out);
+        boot_node_enter(self, BOOT_IDENTITY, out);
     self->part = sub;
     self->tries = 0;
-    read_object(self, 0x1018, sub);
+    boot_node_read(self, 0x1018, sub);
 }
 
 /* --- results --- */
 
-static uint32_t read_number(const struct boot_node *self)
+uint32_t boot_node_number_read(const struct boot_node *self)
 {
     const struct co_event *result = &self->request.result;
 
     return (uint32_t)get_le(self->value, result->actual < 4 ? (size_t)result->actual : 4);
 }
 
-static void tell_read(const struct boot_node *self, struct co_outbox *out)
+void boot_node_tell_read(const struct boot_node *self, struct co_outbox *out)
 {
-    put_event(self,
-              (struct co_event){ .type = MANAGER_NODE_READ,
-                                 .index = self->request.result.index,
-                                 .sub = self->request.result.sub,
-                                 .actual = read_number(self) },
-              out);
+    boot_node_put_event(self,
+                        (struct co_event){ .type = MANAGER_NODE_READ,
+                                           .index = self->request.result.index,
+                                           .sub = self->request.result.sub,
+                                           .actual = boot_node_number_read(self) },
+                        out);
 }
 
 /*
@@ -312,9 +227,9 @@ static bool compare(struct boot_node *self, char letter, uint32_t expected, co_u
                                     .index = self->request.result.index,
                                     .sub = self->request.result.sub,
                                     .expected = expected,
-                                    .actual = read_number(self) };
+                                    .actual = boot_node_number_read(self) };
 
-    tell_read(self, out);
+    boot_node_tell_read(self, out);
     if (expected == 0 || failure.actual == expected)
         return true;
     fail(self, &failure, now, out);
@@ -331,7 +246,7 @@ static bool has_missed_reset(const struct boot_node *self)
 static void on_device_type(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out)
 {
     if (!ok) {
-        fail_request(self, 'B', now, out);
+        boot_node_fail_request(self, 'B', now, out);
         return;
     }
     self->stopped = false;
@@ -351,7 +266,7 @@ static void on_state_known(struct boot_node *self, co_us_t now, struct co_outbox
     self->nmt_state = self->supervision.last_state;
     if (self->nmt_state == NMT_OPERATIONAL) {
         self->kept_alive = true;
-        enter_error_control(self, now, out);
+        boot_node_enter_error_control(self, now, out);
     } else {
         boot_node_reset(self, boot_node_reset_command(self), now, out);
     }
@@ -362,38 +277,9 @@ static void on_identity(struct boot_node *self, bool ok, co_us_t now, struct co_
     struct identity identity = identity_of(self, self->part);
 
     if (!ok)
-        fail_request(self, identity.letter, now, out);
+        boot_node_fail_request(self, identity.letter, now, out);
     else if (compare(self, identity.letter, identity.expected, now, out))
         read_identity_from(self, (uint8_t)(identity.sub + 1), now, out);
-}
-
-/* A device without 1020h, or one that does not tell, is configured: that is always right. */
-static void on_check(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out)
-{
-    if (ok)
-        tell_read(self, out);
-    if (!ok || read_number(self) != expected_1020(self, self->part)) {
-        enter_configure(self, now, out);
-        return;
-    }
-    if (self->part == 1) {
-        self->part = 2;
-        self->tries = 0;
-        read_object(self, 0x1020, self->part);
-        return;
-    }
-    put_event(self, (struct co_event){ .type = MANAGER_NODE_UP_TO_DATE }, out);
-    enter_error_control(self, now, out);
-}
-
-static void on_written(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out)
-{
-    if (!ok)
-        fail_request(self, 'J', now, out);
-    else if (self->step == BOOT_CONFIGURE)
-        write_next_entry(self, now, out);
-    else
-        enter_error_control(self, now, out);
 }
 
 /* What a step does with its answers; the others send no requests. */
@@ -401,9 +287,9 @@ static void (*const on_answer[])(struct boot_node *self, bool ok, co_us_t now,
                                  struct co_outbox *out) = {
     [BOOT_DEVICE_TYPE] = on_device_type,
     [BOOT_IDENTITY] = on_identity,
-    [BOOT_CHECK_CONFIGURATION] = on_check,
-    [BOOT_CONFIGURE] = on_written,
-    [BOOT_SAVE] = on_written,
+    [BOOT_CHECK_CONFIGURATION] = configure_node_on_check,
+    [BOOT_CONFIGURE] = configure_node_on_written,
+    [BOOT_SAVE] = configure_node_on_written,
 };
 
 void boot_node_on_sdo(struct boot_node *self, co_us_t now, struct co_outbox *out)
@@ -413,7 +299,7 @@ void boot_node_on_sdo(struct boot_node *self, co_us_t now, struct co_outbox *out
     self->request.state = REQUEST_IDLE;
     if (!self->request.transfer.download && result->detail == SDO_OUTCOME_NO_ANSWER &&
         self->tries < BOOT_READ_TRIES) {
-        read_object(self, result->index, result->sub);
+        boot_node_read(self, result->index, result->sub);
         return;
     }
     if (self->step < sizeof on_answer / sizeof on_answer[0] && on_answer[self->step])
@@ -454,11 +340,11 @@ void boot_node_begin(struct boot_node *self, co_us_t now, struct co_outbox *out)
     self->kept_alive = false;
     supervision_stop(&self->supervision);
     if (!self->config->auto_start_slave) { /* only its error control is the master's */
-        enter_error_control(self, now, out);
+        boot_node_enter_error_control(self, now, out);
         return;
     }
-    enter(self, BOOT_DEVICE_TYPE, out);
-    read_object(self, 0x1000, 0);
+    boot_node_enter(self, BOOT_DEVICE_TYPE, out);
+    boot_node_read(self, 0x1000, 0);
 }
 
 void boot_node_reset(struct boot_node *self, enum nmt_command command, co_us_t now,
@@ -474,7 +360,7 @@ void boot_node_reset(struct boot_node *self, enum nmt_command command, co_us_t n
     self->reset_command = (uint8_t)command;
     self->state_known = true;
     supervision_stop(&self->supervision);
-    enter(self, BOOT_RESET, out);
+    boot_node_enter(self, BOOT_RESET, out);
     self->reset_due = true;
     self->deadline = now;
     boot_node_on_time(self, now, out);
@@ -544,12 +430,13 @@ void boot_node_on_error_control(struct boot_node *self, const struct co_frame *f
     supervision_on_frame(&self->supervision, frame, now, out);
     if (state != self->nmt_state) {
         self->nmt_state = state;
-        put_event(self, (struct co_event){ .type = MANAGER_NODE_STATE, .detail = state }, out);
+        boot_node_put_event(self, (struct co_event){ .type = MANAGER_NODE_STATE, .detail = state },
+                            out);
     }
     check_followed(self);
     self->stopped = state == NMT_STOPPED;
     if (is_steady)
-        enter_error_control(self, now, out);
+        boot_node_enter_error_control(self, now, out);
 }
 
 void boot_node_on_alive(struct boot_node *self, co_us_t now, struct co_outbox *out)
@@ -571,7 +458,7 @@ static void send_start(struct boot_node *self, struct co_outbox *out)
     co_outbox_put_frame(out, &frame);
     self->start_due = false;
     boot_node_commanded(self, NMT_START);
-    put_event(self, (struct co_event){ .type = MANAGER_NODE_STARTED }, out);
+    boot_node_put_event(self, (struct co_event){ .type = MANAGER_NODE_STARTED }, out);
 }
 
 static void on_reset_time(struct boot_node *self, co_us_t now, struct co_outbox *out)

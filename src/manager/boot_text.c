@@ -219,20 +219,31 @@ static void add_emergency(struct text *text, const struct co_event *event)
         add(text, " %02X", event->data[i]);
 }
 
+/* News whose text needs no more than the event's type. */
+static const char *fixed_text(const struct co_event *event)
+{
+    switch (event->type) {
+    case MANAGER_NODE_UP_TO_DATE: return "is configured already (1020h)";
+    case MANAGER_NODE_BOOTED:
+        return event->detail == 'L' ? "is running already: kept alive (L)" : "booted";
+    case MANAGER_NODE_STARTED: return "start command sent";
+    default: return NULL;
+    }
+}
+
 static bool add_good_news(struct text *text, const struct node_config *node,
                           const struct co_event *event)
 {
+    if (fixed_text(event)) {
+        add(text, "%s", fixed_text(event));
+        return true;
+    }
     switch (event->type) {
     case MANAGER_NODE_STEP: return node && add_step(text, node, event);
     case MANAGER_NODE_READ:
         add_object(text, event->index, event->sub);
         add(text, " is %08Xh", (unsigned)event->actual);
         return true;
-    case MANAGER_NODE_UP_TO_DATE: add(text, "is configured already (1020h)"); return true;
-    case MANAGER_NODE_BOOTED:
-        add(text, event->detail == 'L' ? "is running already: kept alive (L)" : "booted");
-        return true;
-    case MANAGER_NODE_STARTED: add(text, "start command sent"); return true;
     case MANAGER_STATE:
     case MANAGER_NODE_STATE: add(text, "is %s", nmt_state_text(event->detail)); return true;
     case MANAGER_NODE_BACK:

@@ -55,6 +55,11 @@ static void on_sdo_done(struct manager *self, const struct co_event *event, co_u
         co_outbox_put_event(&self->inner, &done);
 }
 
+static bool is_power_of_2(uint64_t number)
+{
+    return (number & (number - 1)) == 0;
+}
+
 /* True if the event was for the manager alone. */
 static bool consume(struct manager *self, const struct co_event *event, co_us_t now)
 {
@@ -64,6 +69,7 @@ static bool consume(struct manager *self, const struct co_event *event, co_us_t 
     case PROTO_GUARD_STATE: error_control_on_alive(self, event->node, now); return true;
     case PROTO_HB_LOST:
     case PROTO_GUARD_LOST: error_control_on_lost(self, event->node, now); return true;
+    case PROTO_GUARD_TOGGLE: return !is_power_of_2(event->actual); /* told ever more rarely */
     case SLAVE_WRITTEN:
     case SLAVE_EMCY: return true;
     default: return false;

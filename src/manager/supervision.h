@@ -35,8 +35,8 @@ bool supervision_start(struct supervision *self, const struct node_config *confi
                        struct co_outbox *out, co_us_t *ret_limit);
 void supervision_stop(struct supervision *self);
 /*
- * Wants to know the node's state, from a heartbeat or an answer; PROTO_HB_STATE or PROTO_GUARD_STATE
- * tells. The time until which it should have come.
+ * Wants to know the state of the node, from a heartbeat or an answer: PROTO_HB_STATE or
+ * PROTO_GUARD_STATE tells. The time until which it should have come.
  */
 co_us_t supervision_ask(struct supervision *self, const struct node_config *config, co_us_t now,
                         struct co_outbox *out);

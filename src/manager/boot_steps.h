@@ -1,0 +1,27 @@
+/*
+ * What the parts of a node's boot machine share: boot_node.c and configure_node.c; nobody else.
+ */
+#ifndef CO_MANAGER_BOOT_STEPS_H
+#define CO_MANAGER_BOOT_STEPS_H
+
+#include "manager/boot_node.h"
+
+/* boot_node.c: entering a step, its requests, and the ends of an attempt */
+void boot_node_enter(struct boot_node *self, enum boot_step step, struct co_outbox *out);
+void boot_node_put_event(const struct boot_node *self, struct co_event event,
+                         struct co_outbox *out);
+void boot_node_want(struct boot_node *self, const struct sdo_transfer *transfer);
+void boot_node_read(struct boot_node *self, uint16_t index, uint8_t sub);
+/* What the last read has brought; the event for it. */
+uint32_t boot_node_number_read(const struct boot_node *self);
+void boot_node_tell_read(const struct boot_node *self, struct co_outbox *out);
+void boot_node_fail_request(struct boot_node *self, char letter, co_us_t now,
+                            struct co_outbox *out);
+void boot_node_enter_error_control(struct boot_node *self, co_us_t now, struct co_outbox *out);
+
+/* configure_node.c: CHECK_CONFIGURATION, CONFIGURE and SAVE (CiA 302-3); on to error control */
+void configure_node_enter(struct boot_node *self, co_us_t now, struct co_outbox *out);
+void configure_node_on_check(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out);
+void configure_node_on_written(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out);
+
+#endif

@@ -1,0 +1,119 @@
+#include "manager/boot_steps.h"
+
+#include "base/bytes.h"
+
+static const uint8_t save_signature[4] = { 's', 'a', 'v', 'e' };
+
+static co_us_t write_timeout(const struct boot_node *self, uint16_t index)
+{
+    bool flash = index == 0x1010 || index == 0x1011 || (index >= 0x1F50 && index <= 0x1F57);
+    co_us_t timeout = CO_MS(self->config->sdo_timeout);
+
+    return flash && timeout < BOOT_FLASH_TIMEOUT ? BOOT_FLASH_TIMEOUT : timeout;
+}
+
+static void write_object(struct boot_node *self, const struct ccf_entry *entry)
+{
+    struct sdo_transfer transfer = { .download = true,
+                                     .indicate_size = self->config->indicate_size,
+                                     .index = entry->index,
+                                     .sub = entry->sub,
+                                     .source = entry->value,
+                                     .size = entry->size,
+                                     .timeout = write_timeout(self, entry->index) };
+
+    boot_node_want(self, &transfer);
+}
+
+static void enter_save(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    const struct ccf_entry save = {
+        .index = 0x1010, .sub = 1, .size = sizeof save_signature, .value = save_signature
+    };
+
+    if (!self->config->save_configuration) {
+        boot_node_enter_error_control(self, now, out);
+        return;
+    }
+    boot_node_enter(self, BOOT_SAVE, out);
+    write_object(self, &save);
+}
+
+static void write_next_entry(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    if (!ccf_read(&self->reader, &self->entry)) {
+        enter_save(self, now, out);
+        return;
+    }
+    self->entry_number++;
+    write_object(self, &self->entry);
+}
+
+static void enter_configure(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    ccf_reader_init(&self->reader, &self->config->ccf);
+    self->entry_number = 0;
+    if (self->reader.left == 0) {
+        boot_node_enter_error_control(self, now, out);
+        return;
+    }
+    boot_node_enter(self, BOOT_CONFIGURE, out);
+    write_next_entry(self, now, out);
+}
+
+/*
+ * What 1020h should say: from the network's file, else what the configuration itself writes there.
+ */
+static uint32_t expected_1020(const struct boot_node *self, uint8_t sub)
+{
+    uint32_t expected = sub == 1 ? self->config->configuration_date
+                                 : self->config->configuration_time;
+    struct ccf_reader reader;
+    struct ccf_entry entry;
+
+    ccf_reader_init(&reader, &self->config->ccf);
+    while (expected == 0 && ccf_read(&reader, &entry))
+        if (entry.index == 0x1020 && entry.sub == sub && entry.size == 4)
+            return get_le32(entry.value);
+    return expected;
+}
+
+void configure_node_enter(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    if (expected_1020(self, 1) == 0 || expected_1020(self, 2) == 0) {
+        enter_configure(self, now, out);
+        return;
+    }
+    boot_node_enter(self, BOOT_CHECK_CONFIGURATION, out);
+    self->part = 1;
+    boot_node_read(self, 0x1020, self->part);
+}
+
+/* A device without 1020h, or one that does not tell, is configured: that is always right. */
+void configure_node_on_check(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out)
+{
+    if (ok)
+        boot_node_tell_read(self, out);
+    if (!ok || boot_node_number_read(self) != expected_1020(self, self->part)) {
+        enter_configure(self, now, out);
+        return;
+    }
+    if (self->part == 1) {
+        self->part = 2;
+        self->tries = 0;
+        boot_node_read(self, 0x1020, self->part);
+        return;
+    }
+    boot_node_put_event(self, (struct co_event){ .type = MANAGER_NODE_UP_TO_DATE }, out);
+    boot_node_enter_error_control(self, now, out);
+}
+
+void configure_node_on_written(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out)
+{
+    if (!ok)
+        boot_node_fail_request(self, 'J', now, out);
+    else if (self->step == BOOT_CONFIGURE)
+        write_next_entry(self, now, out);
+    else
+        boot_node_enter_error_control(self, now, out);
+}

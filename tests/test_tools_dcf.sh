@@ -140,16 +140,16 @@ printf 'no section' >bad/text.dcf
 : >bad/empty.dcf
 expect 'an error in the file' 2 '' '*bad/range.dcf:5: error: *expected, there is "256"*' \
     "$dcf2ccf" bad/range.dcf
-expect 'a file that is gone' 2 '' '*bad/gone.bin: not found*gone.dcf:1: error: *' \
+expect 'a file that is gone' 2 '' '*bad/gone.bin: no such file*gone.dcf:1: error: *' \
     "$dcf2ccf" bad/gone.dcf
 expect 'a file above' 2 '' '*bad/up.dcf:1: error: *below the folder*' "$dcf2ccf" bad/up.dcf
 expect 'no node-ID' 2 '' '*give one with -n*bad/formula.dcf:5: error: *' "$dcf2ccf" bad/formula.dcf
 expect 'no DCF' 2 '' '*bad/text.dcf: error: EDS or DCF text expected*' "$dcf2ccf" bad/text.dcf
 expect 'an empty DCF' 2 '' '*bad/empty.dcf: error: EDS or DCF text expected*' \
     "$dcf2ccf" bad/empty.dcf
-expect 'no file' 2 '' 'dcf2ccf: bad/none.dcf: not found' "$dcf2ccf" bad/none.dcf
+expect 'no file' 2 '' 'dcf2ccf: bad/none.dcf: no such file' "$dcf2ccf" bad/none.dcf
 expect 'a folder' 2 '' 'dcf2ccf: sub.d: a folder, expected a file' "$dcf2ccf" sub.d
-expect 'no folder for the output' 2 '' '*dcf2ccf: none/a.ccf: no such file' \
+expect 'no folder for the output' 2 '' '*dcf2ccf: none/a.ccf: No such file or directory' \
     "$dcf2ccf" device.dcf none/a.ccf
 expect 'a folder as output' 2 '' '*dcf2ccf: bad: *' "$dcf2ccf" device.dcf bad
 expect 'the input as output' 2 '' '*dcf2ccf: device.dcf: File exists' \
@@ -165,7 +165,7 @@ printf '\002\000\000\000\027\020\000\002\000\000\000\350' >bad.ccf
 expect 'ccfread of a truncated file' 2 '' \
     'bad.ccf: error: entry 1 of 2 at byte 4 (1017h:00): a value of 2 bytes expected, 1 are left' \
     "$ccfread" bad.ccf
-expect 'ccfread of no file' 2 '' 'ccfread: none.ccf: not found' "$ccfread" none.ccf
+expect 'ccfread of no file' 2 '' 'ccfread: none.ccf: no such file' "$ccfread" none.ccf
 
 # ---- usage -------------------------------------------------------------------------------------
 

@@ -75,7 +75,7 @@ static void fail(struct boot_node *self, const struct boot_failure *failure, co_
     }
     self->step = retry ? BOOT_RETRY : BOOT_FAILED;
     self->deadline = retry ? now + BOOT_RETRY_INTERVAL : CO_NEVER;
-    self->reset_due = self->stopped || failure->step == BOOT_CONFIGURE ||
+    self->reset_due = self->stopped != NODE_NOT_STOPPED || failure->step == BOOT_CONFIGURE ||
                       failure->step == BOOT_SAVE;
     self->reset_command = (uint8_t)boot_node_reset_command(self);
 }
@@ -249,7 +249,7 @@ static void on_device_type(struct boot_node *self, bool ok, co_us_t now, struct 
         boot_node_fail_request(self, 'B', now, out);
         return;
     }
-    self->stopped = false;
+    self->stopped = NODE_NOT_STOPPED;
     if (has_missed_reset(self)) {
         self->reset_repeated = true;
         boot_node_reset(self, boot_node_reset_command(self), now, out);
@@ -308,6 +308,15 @@ void boot_node_on_sdo(struct boot_node *self, co_us_t now, struct co_outbox *out
 
 /* --- orders of the owner --- */
 
+/* It is being reset. */
+static void expect_boot_up(struct boot_node *self)
+{
+    self->reset_heard = false;
+    self->absent = false;
+    if (self->stopped == NODE_STOPPED)
+        self->stopped = NODE_STOPPED_AND_RESET;
+}
+
 void boot_node_stop(struct boot_node *self)
 {
     self->step = BOOT_IDLE;
@@ -316,8 +325,7 @@ void boot_node_stop(struct boot_node *self)
     self->tried = false;
     self->start_due = false;
     self->reset_due = false;
-    self->reset_heard = false;
-    self->absent = false;
+    expect_boot_up(self);
     self->reset_repeated = false;
     self->state_known = false;
     self->kept_alive = false;
@@ -353,8 +361,7 @@ void boot_node_reset(struct boot_node *self, enum nmt_command command, co_us_t n
     self->booted = false;
     self->start_due = false;
     self->request_due = false;
-    self->reset_heard = false;
-    self->absent = false;
+    expect_boot_up(self);
     supervision_forget(&self->supervision);
     self->nmt_state = NMT_INITIALISING;
     self->reset_command = (uint8_t)command;
@@ -375,7 +382,7 @@ void boot_node_start(struct boot_node *self, co_us_t now, struct co_outbox *out)
 void boot_node_commanded(struct boot_node *self, enum nmt_command command)
 {
     if (command == NMT_STOP || command == NMT_START || command == NMT_ENTER_PREOPERATIONAL)
-        self->stopped = command == NMT_STOP;
+        self->stopped = command == NMT_STOP ? NODE_STOPPED : NODE_NOT_STOPPED;
     if (self->step != BOOT_READY && self->step != BOOT_STARTED)
         return;
     self->start_due = false;
@@ -395,7 +402,8 @@ void boot_node_on_boot_up(struct boot_node *self, const struct co_frame *frame, 
 
     self->nmt_state = is_watched_only ? NMT_PREOPERATIONAL : NMT_INITIALISING;
     self->reset_heard = true;
-    self->stopped = false;
+    if (self->stopped == NODE_STOPPED_AND_RESET) /* else the stop may have come after it */
+        self->stopped = NODE_NOT_STOPPED;
     self->state_known = true;
     supervision_on_frame(&self->supervision, frame, now, out);
     supervision_forget(&self->supervision);
@@ -434,7 +442,7 @@ void boot_node_on_error_control(struct boot_node *self, const struct co_frame *f
                             out);
     }
     check_followed(self);
-    self->stopped = state == NMT_STOPPED;
+    self->stopped = state == NMT_STOPPED ? NODE_STOPPED : NODE_NOT_STOPPED;
     if (is_steady)
         boot_node_enter_error_control(self, now, out);
 }

@@ -50,6 +50,9 @@ enum boot_step {
     BOOT_CHECK_STATE = 12 /* of a node to be kept alive, behind IDENTITY */
 };
 
+/* A stopped node has no SDO: without heartbeat it looks absent until a reset has reached it. */
+enum node_stopped { NODE_NOT_STOPPED, NODE_STOPPED, NODE_STOPPED_AND_RESET };
+
 struct boot_node {
     const struct node_config *config; /* NULL: not in the configuration */
     uint8_t step;                     /* enum boot_step */
@@ -59,8 +62,8 @@ struct boot_node {
     bool start_due;    /* to be started as soon as there is room */
     bool reset_due;    /* RESET: the command is still to be sent; else the next attempt begins so */
     bool reset_heard;  /* it has sent a boot-up message since the last reset command ... */
-    bool stopped; /* by a command, and no boot-up message since: it has no SDO, and looks absent */
-    bool absent;  /* ... and once did not answer since then */
+    bool absent;       /* ... and once did not answer since then */
+    uint8_t stopped;   /* enum node_stopped */
     bool reset_repeated; /* because it has missed it; once until it has booted */
     uint8_t unfollowed;  /* heartbeats that tell another state than the start command asked for */
     bool state_known;    /* CHECK_STATE: it was reset, it need not be asked again */

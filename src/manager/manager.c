@@ -6,8 +6,11 @@
 
 #include <string.h>
 
-/* A call puts far fewer events than this; see on_frame. */
-#define EVENT_ROOM (MANAGER_INNER_EVENTS / 2)
+/*
+ * Room for what one call may put, with what follows from it: about ten events for each of 127
+ * nodes. With less than that nothing new is begun until the owner has taken what is there.
+ */
+#define EVENT_ROOM (MANAGER_INNER_EVENTS - 256u)
 
 enum co_err manager_init(struct manager *self, const struct network_config *config)
 {

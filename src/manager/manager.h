@@ -30,7 +30,7 @@
 #include "slave/slave.h"
 
 #define MANAGER_INNER_FRAMES 256u
-#define MANAGER_INNER_EVENTS 512u
+#define MANAGER_INNER_EVENTS 2048u
 
 enum boot_network_state {
     NETWORK_OFF,

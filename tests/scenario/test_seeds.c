@@ -101,21 +101,21 @@ static void add_device(struct chaos *chaos, uint8_t id)
 
 /* --- what the bus does --- */
 
-static bool is_of(const struct co_frame *frame, uint32_t base, unsigned *ret_node)
+static bool is_of(const struct co_frame *frame, uint32_t base, uint8_t *ret_node)
 {
-    *ret_node = frame->id - base;
-    return frame->id > base && *ret_node <= NODES_MAX;
+    *ret_node = (uint8_t)(frame->id - base);
+    return frame->id > base && frame->id <= base + NODES_MAX;
 }
 
 /* What nobody could notice is not lost: CAN repeats what was not heard. */
 static bool may_be_lost(const struct chaos *chaos, const struct co_frame *frame)
 {
-    unsigned node;
+    uint8_t node;
 
     if (frame->id == NMT_CAN_ID)
         return false;
-    if (is_of(frame, NMT_ERROR_CONTROL_ID, &node))
-        return chaos->beats[node];
+    if (is_of(frame, NMT_ERROR_CONTROL_ID, &node)) /* nor a restart between two writes */
+        return chaos->beats[node] && !boot_node_is_in_mid_boot(plant_node(chaos->plant, node));
     return true;
 }
 

@@ -127,6 +127,15 @@ void watch_start(struct plant *plant)
     plant->on_delivered = on_delivered;
 }
 
+static void expect(const struct plant *plant, bool ok, uint8_t node, const char *what,
+                   const char *state)
+{
+    char text[80];
+
+    snprintf(text, sizeof text, "%s: not %s", what, state);
+    check(plant, ok, node, text);
+}
+
 void watch_expect_up(const struct plant *plant, const char *what)
 {
     for (size_t i = 0; i < plant->config->node_count; i++) {
@@ -135,9 +144,9 @@ void watch_expect_up(const struct plant *plant, const char *what)
 
         if (!device || !device->sim->active)
             continue;
-        check(plant, plant->manager->nodes[id].booted, id, what);
-        check(plant, watch_is_configured(plant, id), id, what);
-        check(plant, device->slave.state == NMT_OPERATIONAL, id, what);
+        expect(plant, plant->manager->nodes[id].booted, id, what, "booted");
+        expect(plant, watch_is_configured(plant, id), id, what, "configured");
+        expect(plant, device->slave.state == NMT_OPERATIONAL, id, what, "operational");
     }
-    check(plant, plant->manager->state == NETWORK_OPERATIONAL, 0, what);
+    expect(plant, plant->manager->state == NETWORK_OPERATIONAL, 0, what, "operational");
 }

@@ -1,14 +1,15 @@
 /*
- * Outboxes with hardly any room, in networks of all sizes: everything takes its time, nothing is lost,
- * repeated, or stands still.
+ * Outboxes with hardly any room, in networks of all sizes: everything takes its time, nothing is
+ * lost, repeated, or stands still.
  */
+#include "base/bytes.h"
 #include "support/suite.h"
 #include "support/watch.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
-static char *make_xml(const char *network, unsigned nodes)
+static char *make_xml_of(const char *network, unsigned nodes, const char *node)
 {
     char *xml = NULL;
     size_t size = 0;
@@ -17,13 +18,16 @@ static char *make_xml(const char *network, unsigned nodes)
     ck_assert_ptr_nonnull(stream);
     fputs(network, stream);
     for (unsigned id = 1; id <= nodes; id++)
-        fprintf(stream,
-                "<Node_Instance><Node_Id>%u</Node_Id>"
-                "<Vendor_Identification>0x29A</Vendor_Identification>"
-                "<Consumer_Heartbeat_Time>3000</Consumer_Heartbeat_Time></Node_Instance>",
-                id);
+        fprintf(stream, "<Node_Instance><Node_Id>%u</Node_Id>%s</Node_Instance>", id, node);
     fclose(stream);
     return xml;
+}
+
+static char *make_xml(const char *network, unsigned nodes)
+{
+    return make_xml_of(network, nodes,
+                       "<Vendor_Identification>0x29A</Vendor_Identification>"
+                       "<Consumer_Heartbeat_Time>3000</Consumer_Heartbeat_Time>");
 }
 
 static const struct size {
@@ -33,7 +37,7 @@ static const struct size {
     { 4, 3, "" },
     { 4, 126, "" },
     { 5, 126, "<NMT_Start_All>TRUE</NMT_Start_All>" },
-    { 7, 126, "<Boot_Delay>0</Boot_Delay>" },
+    { 7, 126, "<Boot_Delay>50</Boot_Delay>" },
     { 4, 20, "<NMT_Action_On_Error>RESET_ALL</NMT_Action_On_Error>" },
 };
 
@@ -94,10 +98,18 @@ END_TEST
 /* --- an owner that takes nothing for a while --- */
 
 static struct manager manager;
-static struct co_frame frames[4];
+static struct co_frame frames[600];
 static struct co_event events[4];
 static struct co_outbox out;
 static co_us_t now;
+
+static void begin(const struct plant *plant, unsigned frame_room)
+{
+    co_outbox_init(&out, frames, frame_room, events, 4);
+    now = CO_MS(1000);
+    ck_assert_int_eq(manager_init(&manager, plant->config), CO_OK);
+    manager_start(&manager, now, &out);
+}
 
 /* Takes one event and one frame at a time, or nothing. */
 static unsigned take(unsigned count)
@@ -113,7 +125,7 @@ static unsigned take(unsigned count)
     return taken;
 }
 
-static void answer_all(struct network_config *config)
+static void answer_all(const struct network_config *config)
 {
     for (size_t i = 0; i < config->node_count; i++) {
         struct co_frame frame = co_frame_make(0x580u + config->nodes[i].node_id, 8);
@@ -130,10 +142,7 @@ START_TEST(test_owner_takes_nothing)
     struct plant *plant = make_plant(&sizes[1]);
     unsigned rest = 0;
 
-    co_outbox_init(&out, frames, 4, events, 4);
-    now = CO_MS(1000);
-    ck_assert_int_eq(manager_init(&manager, plant->config), CO_OK);
-    manager_start(&manager, now, &out);
+    begin(plant, 4);
     for (unsigned i = 0; i < 3000; i++) {
         now += CO_MS(20);
         manager_on_time(&manager, now, &out);
@@ -153,6 +162,67 @@ START_TEST(test_owner_takes_nothing)
 }
 END_TEST
 
+static void drain(void)
+{
+    while (take(1) > 0)
+        manager_on_time(&manager, now, &out);
+}
+
+/* Answers each node's next read. */
+static void answer(const struct network_config *config, uint16_t index, uint8_t sub, uint32_t value)
+{
+    for (size_t i = 0; i < config->node_count; i++) {
+        struct co_frame frame = co_frame_make(0x580u + config->nodes[i].node_id, 8);
+
+        frame.data[0] = 0x43;
+        put_le16(frame.data + 1, index);
+        frame.data[3] = sub;
+        put_le32(frame.data + 4, value);
+        manager_on_frame(&manager, &frame, now, &out);
+    }
+}
+
+/* 126 boots end in one moment, with 126 emergencies behind them: it is all told, in time. */
+START_TEST(test_events_pile_up)
+{
+    static const char dates[] = "<Configuration_Date>1</Configuration_Date>"
+                                "<Configuration_Time>2</Configuration_Time>";
+    char *xml = make_xml_of("", 126, dates);
+    struct plant *plant = plant_new(xml, 0);
+    unsigned told = 0;
+
+    free(xml);
+    begin(plant, 600);
+    drain();
+    now += CO_MS(200);
+    manager_on_time(&manager, now, &out);
+    drain();
+    answer(plant->config, 0x1000, 0, 1);
+    drain();
+    answer(plant->config, 0x1020, 1, 1);
+    drain();
+    while (co_outbox_room(&out, 0, 1))
+        co_outbox_put_event(&out, &(struct co_event){ .type = MANAGER_EMCY });
+    answer(plant->config, 0x1020, 2, 2);
+    for (uint32_t id = 1; id <= 126; id++) {
+        struct co_frame frame = co_frame_make(0x80u + id, 8);
+
+        manager_on_frame(&manager, &frame, now, &out);
+    }
+    while (take(1) > 0) {
+        manager_on_time(&manager, now, &out);
+        told++;
+    }
+    ck_assert_uint_gt(told, 126 * 5);
+    ck_assert_uint_eq(manager.dropped, 0);
+    ck_assert(manager_is_up(&manager, false));
+    for (uint8_t id = 1; id <= 126; id++)
+        ck_assert(manager.nodes[id].booted);
+    manager_done(&manager);
+    plant_free(plant);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tcase = tcase_create("tiny_boxes");
@@ -161,5 +231,6 @@ int main(void)
     tcase_add_loop_test(tcase, test_boot, 0, sizeof sizes / sizeof sizes[0]);
     tcase_add_loop_test(tcase, test_all_lost, 0, sizeof sizes / sizeof sizes[0]);
     tcase_add_test(tcase, test_owner_takes_nothing);
+    tcase_add_test(tcase, test_events_pile_up);
     return suite_run("tiny_boxes", tcase);
 }

@@ -1,8 +1,8 @@
 /* mcanOpenConfig: the code, the error text and the log line for each thing that can be wrong. */
 #include "support/api_plant.h"
+#include "support/dcf_file.h"
 #include "support/suite.h"
 
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -211,40 +211,20 @@ END_TEST
 
 /* --- DCF and CCF files --- */
 
-#define INFO                                                                                       \
-    "[FileInfo]\nFileName=a.dcf\nFileVersion=1\nFileRevision=0\nEDSVersion=4.0\n"                  \
-    "Description=x\nCreationTime=09:00AM\nCreationDate=11-22-2026\nCreatedBy=x\n"                  \
-    "ModificationTime=09:00AM\nModificationDate=11-22-2026\nModifiedBy=x\nLastEDS=a.eds\n"
-#define DEVICE                                                                                     \
-    "[DeviceInfo]\nVendorName=x\nVendorNumber=1\nProductName=x\nProductNumber=1\n"                 \
-    "RevisionNumber=1\nOrderCode=x\nBaudRate_10=0\nBaudRate_20=0\nBaudRate_50=0\n"                 \
-    "BaudRate_125=0\nBaudRate_250=0\nBaudRate_500=1\nBaudRate_800=0\nBaudRate_1000=0\n"            \
-    "SimpleBootUpMaster=0\nSimpleBootUpSlave=0\nGranularity=8\nDynamicChannelsSupported=0\n"       \
-    "GroupMessaging=0\nNrOfRXPDO=0\nNrOfTXPDO=0\nLSS_Supported=0\n"
-#define COMMISSIONING(id, rate)                                                                    \
-    "[DeviceComissioning]\nNodeID=" id "\nNodeName=x\nBaudrate=" rate "\nNetNumber=1\n"            \
-    "NetworkName=x\nCANopenManager=0\n"
-#define OBJECT(index, value)                                                                       \
-    "[" index "]\nParameterName=x\nObjectType=0x7\nDataType=0x5\nAccessType=rw\n"                  \
-    "DefaultValue=1\nPDOMapping=0\nLowLimit=1\nHighLimit=9\nParameterValue=" value "\n"
-#define MANDATORY                                                                                  \
-    "[MandatoryObjects]\nSupportedObjects=2\n1=0x1000\n2=0x1001\n"                                 \
-    "[1000]\nParameterName=x\nObjectType=0x7\nDataType=0x7\nAccessType=ro\nPDOMapping=0\n"         \
-    "[1001]\nParameterName=x\nObjectType=0x7\nDataType=0x5\nAccessType=ro\nPDOMapping=0\n"
-#define OPTIONAL  "[OptionalObjects]\nSupportedObjects=0\n"
-#define MAKER(n)  "[ManufacturerObjects]\nSupportedObjects=" n "\n1=0x2000\n"
-#define DCF(rest) INFO DEVICE COMMISSIONING("5", "500") MANDATORY OPTIONAL rest
+#define COMMISSIONING(id, rate) "[DeviceComissioning]\nNodeID=" id "\nBaudrate=" rate "\n"
+#define VALUE(value)                                                                               \
+    OBJECT("2000", VAR("2000", "5", "rw") "LowLimit=1\nHighLimit=9\nParameterValue=" value         \
+                                          "\n" COMMISSIONING("5", "500"))
 
 static const struct fault dcfs[] = {
-    { DCF(MAKER("1") OBJECT("2000", "2")), MCANOPEN_OK, NULL },
-    { INFO DEVICE COMMISSIONING("6", "500") MANDATORY OPTIONAL, CANOPEN_DCF_WRONG_NODE_ID, NULL },
-    { INFO DEVICE COMMISSIONING("5", "250") MANDATORY OPTIONAL, CANOPEN_DCF_WRONG_BAUDRATE, NULL },
-    { INFO DEVICE COMMISSIONING("128", "500") MANDATORY OPTIONAL, CANOPEN_DCF_WRONG_MODULE_NO,
-      NULL },
+    { VALUE("2"), MCANOPEN_OK, NULL },
+    { LINES(COMMISSIONING("6", "500")), CANOPEN_DCF_WRONG_NODE_ID, NULL },
+    { LINES(COMMISSIONING("5", "250")), CANOPEN_DCF_WRONG_BAUDRATE, NULL },
+    { LINES(COMMISSIONING("128", "500")), CANOPEN_DCF_WRONG_MODULE_NO, NULL },
     { "no section at all\n", CANOPEN_DCF_MISSING_SECTION, NULL },
-    { DCF(MAKER("1") OBJECT("2000", "abc")), CANOPEN_DCF_WRONG_PARAMETER, NULL },
-    { DCF(MAKER("1") OBJECT("2000", "256")), CANOPEN_DCF_OUT_OF_RANGE, NULL },
-    { DCF(MAKER("1") OBJECT("2000", "10")), CANOPEN_DCF_OUT_OF_LIMITS, NULL },
+    { VALUE("abc"), CANOPEN_DCF_WRONG_PARAMETER, NULL },
+    { VALUE("256"), CANOPEN_DCF_OUT_OF_RANGE, NULL },
+    { VALUE("10"), CANOPEN_DCF_OUT_OF_LIMITS, NULL },
 };
 
 #define WITH_DCF API_NODE_WITH(5, "<DCF_File>a.dcf</DCF_File>")
@@ -286,7 +266,7 @@ END_TEST
 
 START_TEST(all_errors_are_logged_and_the_first_one_counts)
 {
-    api_write(plant, "a.dcf", INFO DEVICE COMMISSIONING("6", "500") MANDATORY OPTIONAL);
+    api_write(plant, "a.dcf", LINES(COMMISSIONING("6", "500")));
     ck_assert_int_eq(api_config(plant, WITH_DCF API_NODE_WITH(6, "<CCF_File>b.ccf</CCF_File>")),
                      CANOPEN_DCF_WRONG_NODE_ID);
     ck_assert_ptr_nonnull(strstr(mcanOpenGetErrorText(), "NodeID is 6, but"));

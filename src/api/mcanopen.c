@@ -176,13 +176,24 @@ static bool tried_all(const struct managed *managed)
     return true;
 }
 
+/* None of the calls that wait must come to its turn because the one before it has ended. */
+static void end_calls(const struct managed *self)
+{
+    co_us_t now;
+    struct co_outbox *out = network_enter(self->network, &now);
+
+    manager_shut(self->manager, now, out);
+    network_leave(self->network, self->config->manager_node_id);
+    network_shut(self->network);
+}
+
 /* First the calls that wait, then the threads, then what they worked on. */
 static void shut_down(struct registry *self)
 {
     registry_close();
     event_queue_close(&self->events);
     for (size_t i = 0; i < self->network_count; i++)
-        network_shut(self->networks[i].network);
+        end_calls(&self->networks[i]);
     registry_expel();
     for (size_t i = 0; i < self->network_count; i++)
         network_stop(self->networks[i].network);

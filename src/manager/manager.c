@@ -385,12 +385,22 @@ static void put_request_done(struct manager *self, uint8_t node)
 void manager_submit(struct manager *self, uint8_t node, struct sdo_request *request, co_us_t now,
                     struct co_outbox *out)
 {
+    if (self->shut)
+        return;
     if (self->bus_lost) {
         sdo_request_give_up(request, node);
         put_request_done(self, node);
     } else {
         sdo_channel_submit(&self->channels[node], request, now, &self->inner);
     }
+    settle(self, now, out);
+}
+
+void manager_shut(struct manager *self, co_us_t now, struct co_outbox *out)
+{
+    self->shut = true;
+    for (uint8_t node = 1; node <= NETWORK_NODE_MAX; node++)
+        sdo_channel_clear(&self->channels[node], now, &self->inner);
     settle(self, now, out);
 }
 

@@ -55,6 +55,7 @@ struct manager {
     bool reset_each;    /* ... to each node that has reset_due, not to all */
     bool start_all_due; /* NMT start all is still to be sent */
     bool stop_all_due;  /* NMT stop all is still to be sent */
+    bool shut;          /* no more SDO requests of the application */
     uint8_t reset_command;
     co_us_t deadline;     /* RESETTING: end of the boot delay */
     co_us_t deadline_max; /* ... which boot-up messages may put off until then */
@@ -96,6 +97,9 @@ void manager_cancel(struct manager *self, uint8_t node, struct sdo_request *requ
  * stopped is stopped again.
  */
 void manager_on_bus(struct manager *self, bool up, co_us_t now, struct co_outbox *out);
+
+/* Takes all requests back, and leaves IDLE those that come from now on: the end is near. */
+void manager_shut(struct manager *self, co_us_t now, struct co_outbox *out);
 
 /* True when all nodes that have to be up are: mandatory ones, with 'all' the optional ones too. */
 bool manager_is_up(const struct manager *self, bool all);

@@ -76,6 +76,18 @@ bool sdo_channel_cancel(struct sdo_channel *self, struct sdo_request *request, s
     return true;
 }
 
+void sdo_channel_clear(struct sdo_channel *self, co_us_t now, struct co_outbox *out)
+{
+    struct sdo_request *running = self->running;
+
+    for (struct sdo_request *r = self->first; r; r = r->next)
+        r->state = REQUEST_IDLE;
+    self->first = NULL;
+    self->last = NULL;
+    if (running && !sdo_channel_cancel(self, running, SDO_TIMEOUT, now, out))
+        sdo_channel_cancel(self, running, SDO_OK, now, out);
+}
+
 struct sdo_request *sdo_channel_on_done(struct sdo_channel *self, const struct co_event *event,
                                         co_us_t now, struct co_outbox *out)
 {

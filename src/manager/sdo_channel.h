@@ -37,6 +37,8 @@ void sdo_channel_submit(struct sdo_channel *self, struct sdo_request *request, c
  */
 bool sdo_channel_cancel(struct sdo_channel *self, struct sdo_request *request, sdo_abort_t code,
                         co_us_t now, struct co_outbox *out);
+/* Takes all requests out at once, so that none of those that wait is started. */
+void sdo_channel_clear(struct sdo_channel *self, co_us_t now, struct co_outbox *out);
 /* Hands over the client's PROTO_SDO_DONE; the request that ended with it, or NULL (cancelled). */
 struct sdo_request *sdo_channel_on_done(struct sdo_channel *self, const struct co_event *event,
                                         co_us_t now, struct co_outbox *out);

@@ -274,6 +274,7 @@ START_TEST(a_bus_that_is_down)
     struct segment segment;
     char buffer[100];
     int len = sizeof buffer;
+    co_us_t start;
     EVENT_T event;
 
     api_boot(plant, API_NODE(5));
@@ -284,10 +285,14 @@ START_TEST(a_bus_that_is_down)
     event = api_wait_event(API_EVENT(PARA_I, MCANOPEN_MSG_BUS_STATE), -1);
     ck_assert_int_eq(event.para.i, MCANOPEN_BUS_DOWN);
     ck_assert_int_eq(mcanOpenStopNode(0, 5), MCAL_CAN_TX_ERROR);
+    start = clock_now();
+    ck_assert_int_eq(mcanOpenReadSDO(0, 5, 0x2010, 0, buffer, &len, NULL), MCAL_CAN_TX_ERROR);
+    ck_assert_uint_lt(clock_now(), start + CO_MS(1500)); /* at once */
     segment_unlock(&segment);
     segment_close(&segment);
     event = api_wait_event(API_EVENT(PARA_I, MCANOPEN_MSG_BUS_STATE), -1);
     ck_assert_int_eq(event.para.i, MCANOPEN_BUS_ACTIVE);
+    api_wait_event(API_NETWORK_UP, -1); /* all is begun anew */
     ck_assert_int_eq(mcanOpenReadSDO(0, 5, 0x2010, 0, buffer, &len, NULL), MCANOPEN_OK);
     api_wait_log(plant, "1 bus is down");
     api_wait_log(plant, "frames given up");

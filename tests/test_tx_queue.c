@@ -79,6 +79,18 @@ START_TEST(each_frame_has_its_own_time)
 }
 END_TEST
 
+START_TEST(all_are_lost_at_once)
+{
+    for (uint32_t i = 0; i < 5; i++)
+        put(i, i);
+    tx_queue_lose_all(queue);
+    ck_assert_ptr_null(tx_queue_first(queue));
+    ck_assert_uint_eq(tx_queue_take_lost(queue), 5);
+    put(9, 0);
+    ck_assert_uint_eq(tx_queue_first(queue)->id, 9);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tests = tcase_create("tx_queue");
@@ -87,5 +99,6 @@ int main(void)
     tcase_add_test(tests, frames_come_out_in_order);
     tcase_add_test(tests, what_finds_no_room_is_counted);
     tcase_add_test(tests, each_frame_has_its_own_time);
+    tcase_add_test(tests, all_are_lost_at_once);
     return suite_run("tx_queue", tests);
 }

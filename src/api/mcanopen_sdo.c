@@ -33,7 +33,7 @@ static co_us_t timeout_of(const struct managed *managed, int node, co_us_t other
     return config ? CO_MS(config->sdo_timeout) : otherwise;
 }
 
-/* Under the network's lock. What the protocol cannot know: the network went away, or the bus. */
+/* Under the network's lock. */
 static int wait_for_end(struct managed *managed, struct sdo_request *request)
 {
     enum co_err err = CO_OK;
@@ -41,8 +41,6 @@ static int wait_for_end(struct managed *managed, struct sdo_request *request)
     while (request->state != REQUEST_DONE) {
         if (err == CO_ERR_STATE)
             return MCAL_NO_NET;
-        if (network_bus_state(managed->network) == BUS_OFF)
-            return MCAL_CAN_CONTR_OFF_BUS;
         err = network_wait(managed->network, managed->config->manager_node_id, CO_NEVER);
     }
     return error_of_sdo(&request->result, network_bus_state(managed->network));

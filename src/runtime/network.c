@@ -80,16 +80,60 @@ static void tell(struct network *self, struct co_event event)
         self->options.sink(self->options.context, self, &event);
 }
 
-static void look_at_bus(struct network *self)
+/* Takes what a device has put out; a full queue costs frames, with a count, never time. */
+static void drain(struct network *self, uint8_t node, co_us_t now)
 {
-    enum bus_state state = bus_get_state(self->bus);
+    struct co_frame frame;
+    struct co_event event;
+
+    while (co_outbox_take_frame(&self->out, &frame)) {
+        frame.tag = node;
+        tx_queue_put(&self->tx, &frame, now);
+    }
+    while (co_outbox_take_event(&self->out, &event))
+        tell(self, event);
+}
+
+static bool is_lost(enum bus_state state)
+{
+    return state == BUS_OFF || state == BUS_DOWN;
+}
+
+static void tell_lost(struct network *self)
+{
+    unsigned lost = tx_queue_take_lost(&self->tx);
+
+    if (lost > 0)
+        tell(self, (struct co_event){ .type = RUNTIME_UNSENT, .actual = lost });
+}
+
+/* The managers end what they are doing: what they wanted to send must not come later. */
+static void tell_managers(struct network *self, bool up, co_us_t now)
+{
+    if (!up)
+        tx_queue_lose_all(&self->tx);
+    for (unsigned i = 0; i < self->device_count; i++) {
+        if (!self->devices[i].manager)
+            continue;
+        manager_on_bus(self->devices[i].manager, up, now, &self->out);
+        drain(self, self->devices[i].node, now);
+    }
+}
+
+/* True if what was put out is to be sent: the bus is back. */
+static bool look_at_bus(struct network *self, co_us_t now)
+{
+    enum bus_state before = self->bus_state, state = bus_get_state(self->bus);
 
     if ((self->send_fails || self->receive_fails) && state < BUS_OFF)
         state = BUS_DOWN;
-    if (state == self->bus_state)
-        return;
+    if (state == before)
+        return false;
     self->bus_state = state;
     tell(self, (struct co_event){ .type = RUNTIME_BUS_STATE, .detail = (uint8_t)state });
+    if (is_lost(before) != is_lost(state))
+        tell_managers(self, !is_lost(state), now);
+    return is_lost(before) && !is_lost(state);
 }
 
 /* True while the bus keeps up. */
@@ -103,38 +147,26 @@ static bool send_frame(struct network *self, const struct co_frame *frame)
     return err == CO_OK;
 }
 
-static void flush_tx(struct network *self, co_us_t now)
+static void send_frames(struct network *self, co_us_t now)
 {
     const struct co_frame *frame;
-    unsigned lost;
 
     self->tx_retry = CO_NEVER;
     while ((frame = tx_queue_first(&self->tx)) != NULL) {
         if (!send_frame(self, frame) && !tx_queue_give_up(&self->tx, now)) {
             self->tx_retry = now + TX_RETRY;
-            break;
+            return;
         }
     }
-    if (!frame)
-        self->send_fails = false; /* who knows: the next one will show */
-    lost = tx_queue_take_lost(&self->tx);
-    if (lost > 0)
-        tell(self, (struct co_event){ .type = RUNTIME_UNSENT, .actual = lost });
-    look_at_bus(self);
+    self->send_fails = false; /* who knows: the next one will show */
 }
 
-/* Takes what a device has put out; a full queue costs frames, with a count, never time. */
-static void drain(struct network *self, uint8_t node, co_us_t now)
+static void flush_tx(struct network *self, co_us_t now)
 {
-    struct co_frame frame;
-    struct co_event event;
-
-    while (co_outbox_take_frame(&self->out, &frame)) {
-        frame.tag = node;
-        tx_queue_put(&self->tx, &frame, now);
-    }
-    while (co_outbox_take_event(&self->out, &event))
-        tell(self, event);
+    send_frames(self, now);
+    if (look_at_bus(self, now))
+        send_frames(self, now);
+    tell_lost(self);
 }
 
 /* --- the protocol thread --- */
@@ -174,27 +206,36 @@ static bool receive_burst(struct network *self)
     return err == CO_OK;
 }
 
-static co_us_t run_due(struct network *self, co_us_t now)
+static void run_due(struct network *self, co_us_t now)
 {
-    co_us_t next = CO_NEVER;
-
     for (unsigned i = 0; i < self->device_count; i++) {
         const struct device *device = &self->devices[i];
 
-        if (device_deadline(device) <= now) {
-            device_on_time(device, now, &self->out);
-            drain(self, device->node, now);
-        }
-        next = co_earlier(next, device_deadline(device));
+        if (device_deadline(device) > now)
+            continue;
+        device_on_time(device, now, &self->out);
+        drain(self, device->node, now);
     }
-    return next;
 }
 
-static void signal_changes(struct network *self)
+static co_us_t next_deadline(const struct network *self, co_us_t now)
 {
-    if (self->has_events)
+    co_us_t next = is_lost(self->bus_state) ? now + BUS_RETRY : CO_NEVER;
+
+    for (unsigned i = 0; i < self->device_count; i++)
+        next = co_earlier(next, device_deadline(&self->devices[i]));
+    return co_earlier(next, self->tx_retry);
+}
+
+/* True if there was something to signal. */
+static bool signal_changes(struct network *self)
+{
+    bool has_events = self->has_events;
+
+    if (has_events)
         condition_signal(&self->changed);
     self->has_events = false;
+    return has_events;
 }
 
 static void wait_for_bus(struct network *self, co_us_t deadline)
@@ -223,11 +264,9 @@ static void *run(void *context)
         /* With more to read, time has only come as far as the frames: an answer that is there
          * already must not be taken for missing. */
         now = more ? self->last_frame : clock_now();
-        deadline = run_due(self, now);
+        run_due(self, now);
         flush_tx(self, now);
-        deadline = co_earlier(deadline, self->tx_retry);
-        if (self->bus_state >= BUS_OFF)
-            deadline = co_earlier(deadline, now + BUS_RETRY);
+        deadline = next_deadline(self, now);
         signal_changes(self);
         closing = self->closing;
         lock_give(&self->lock);
@@ -386,14 +425,15 @@ struct co_outbox *network_enter(struct network *self, co_us_t *ret_now)
     return &self->out;
 }
 
-static void send_out(struct network *self, uint8_t node)
+/* True if something has happened meanwhile. */
+static bool send_out(struct network *self, uint8_t node)
 {
     const co_us_t now = clock_now();
 
     drain(self, node, now);
     flush_tx(self, now);
-    signal_changes(self);
     bus_wake(self->bus); /* deadlines may have changed */
+    return signal_changes(self);
 }
 
 void network_leave(struct network *self, uint8_t node)
@@ -404,8 +444,11 @@ void network_leave(struct network *self, uint8_t node)
 
 enum co_err network_wait(struct network *self, uint8_t node, co_us_t deadline)
 {
-    send_out(self, node);
+    bool has_news = send_out(self, node);
+
     if (self->closing)
         return CO_ERR_STATE;
+    if (has_news) /* by ourselves: no signal will come for it */
+        return CO_OK;
     return condition_wait(&self->changed, &self->lock, deadline);
 }

@@ -40,6 +40,12 @@ bool tx_queue_give_up(struct tx_queue *self, co_us_t now)
     return true;
 }
 
+void tx_queue_lose_all(struct tx_queue *self)
+{
+    self->lost += self->count;
+    self->count = 0;
+}
+
 unsigned tx_queue_take_lost(struct tx_queue *self)
 {
     unsigned lost = self->lost;

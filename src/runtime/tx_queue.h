@@ -35,6 +35,8 @@ const struct co_frame *tx_queue_first(const struct tx_queue *self);
 void tx_queue_sent(struct tx_queue *self);
 /* It could not be sent: true if its time is over, then it is lost. */
 bool tx_queue_give_up(struct tx_queue *self, co_us_t now);
+/* The same for all, whatever their time. */
+void tx_queue_lose_all(struct tx_queue *self);
 unsigned tx_queue_take_lost(struct tx_queue *self);
 
 #endif

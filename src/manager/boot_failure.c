@@ -4,6 +4,8 @@
 #include "manager/event.h"
 #include "proto/sdo_client.h"
 
+#define GARBLED_ATTEMPTS 3u
+
 bool boot_failure_is_same(const struct boot_failure *a, const struct boot_failure *b)
 {
     return a->letter == b->letter && a->step == b->step && a->outcome == b->outcome &&
@@ -16,16 +18,23 @@ static bool is_busy_answer(sdo_abort_t code)
     return code == SDO_NO_CONNECTION || code == SDO_DEVICE_STATE;
 }
 
+/* Answers that fit no request: who else speaks there may have ended next time. */
+static bool is_garbled(const struct boot_failure *self)
+{
+    return self->outcome == SDO_OUTCOME_TOGGLE || self->outcome == SDO_OUTCOME_PROTOCOL;
+}
+
 /*
  * No answer, or an answer that says "not now", may be another one next time. A configuration is not
  * repeated in parts: the next attempt starts with a reset of the node.
  */
-bool boot_failure_is_worth_a_retry(const struct boot_failure *self)
+bool boot_failure_is_worth_a_retry(const struct boot_failure *self, unsigned attempts)
 {
     if (self->outcome == SDO_OUTCOME_NO_ANSWER || self->outcome == SDO_OUTCOME_NOT_SENT)
         return true;
-    return self->letter == 'B' ||
-           (self->outcome == SDO_OUTCOME_ABORTED && is_busy_answer(self->abort_code));
+    if (self->letter == 'B' || (is_garbled(self) && attempts < GARBLED_ATTEMPTS))
+        return true;
+    return self->outcome == SDO_OUTCOME_ABORTED && is_busy_answer(self->abort_code);
 }
 
 struct co_event boot_failure_event(const struct boot_failure *self)

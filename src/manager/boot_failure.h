@@ -24,8 +24,11 @@ struct boot_failure {
 };
 
 bool boot_failure_is_same(const struct boot_failure *a, const struct boot_failure *b);
-/* No: the node has failed for good, until its next boot-up message. */
-bool boot_failure_is_worth_a_retry(const struct boot_failure *self);
+/*
+ * After so many attempts since the node's boot-up message. No: it has failed for good, until the
+ * next one.
+ */
+bool boot_failure_is_worth_a_retry(const struct boot_failure *self, unsigned attempts);
 
 /* MANAGER_NODE_FAILED, without the node. */
 struct co_event boot_failure_event(const struct boot_failure *self);

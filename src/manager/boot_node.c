@@ -58,12 +58,11 @@ void boot_node_enter(struct boot_node *self, enum boot_step step, struct co_outb
 static void fail(struct boot_node *self, const struct boot_failure *failure, co_us_t now,
                  struct co_outbox *out)
 {
-    bool retry = boot_failure_is_worth_a_retry(failure);
+    bool retry = boot_failure_is_worth_a_retry(failure, ++self->attempts);
 
     self->failure = *failure;
     self->tried = true;
     self->booted = false;
-    self->attempts++;
     if (failure->letter == 'B') {
         self->nmt_state = NMT_INITIALISING;
         self->absent = failure->outcome != SDO_OUTCOME_ABORTED;
@@ -402,6 +401,7 @@ void boot_node_on_boot_up(struct boot_node *self, const struct co_frame *frame, 
 
     self->nmt_state = is_watched_only ? NMT_PREOPERATIONAL : NMT_INITIALISING;
     self->reset_heard = true;
+    self->attempts = 0;
     if (self->stopped == NODE_STOPPED_AND_RESET) /* else the stop may have come after it */
         self->stopped = NODE_NOT_STOPPED;
     self->state_known = true;

@@ -72,7 +72,7 @@ struct boot_node {
     bool held;           /* taken out of operation by the application: only it starts the node */
     uint8_t reset_command;
     co_us_t deadline;
-    unsigned attempts; /* since it was last booted */
+    unsigned attempts; /* since its last boot, or boot-up message */
     struct boot_failure failure;
     struct boot_failure told; /* last failure reported, not to report it again each second */
     struct sdo_request request;

@@ -91,7 +91,7 @@ static const struct failure {
     { "no heartbeat", "<Consumer_Heartbeat_Time>700</Consumer_Heartbeat_Time>", NULL, NULL, 0, 'K',
       BOOT_FAILED, "K: no heartbeat within 700 ms (Consumer_Heartbeat_Time)" },
     { "a wrong answer", "<Vendor_Identification>0x29A</Vendor_Identification>", "605#40181001",
-      "585#6018100100000000", 1000, 'D', BOOT_FAILED,
+      "585#6018100100000000", 1000, 'D', BOOT_RETRY,
       "D: read 1018h:01 vendor-ID: wrong answer, aborted with 05040001h" },
     { "an answer too long", "<Vendor_Identification>0x29A</Vendor_Identification>", "605#40181001",
       "585#4118100109000000", 1000, 'D', BOOT_FAILED,
@@ -228,6 +228,27 @@ START_TEST(test_identity_in_order)
 }
 END_TEST
 
+/* Wrong answers are asked for three times, then the node has failed, until its boot-up message. */
+START_TEST(test_garbled)
+{
+    struct plant *plant = make_plant("", MANDATORY
+                                     "<Vendor_Identification>0x29A</Vendor_Identification>");
+
+    plant_lie(plant, "605#40181001", "585#6018100100000000", 1000);
+    plant_power_on(plant);
+    plant_run_ms(plant, 10000);
+    ck_assert_int_eq(plant_node(plant, 5)->step, BOOT_FAILED);
+    ck_assert_int_eq(plant->manager->state, NETWORK_HALTED);
+    ck_assert_uint_eq(plant_sent(plant, "605#40181001"), 3);
+    plant->lies[0].times = 2;
+    plant_power(plant, 5, false);
+    plant_power(plant, 5, true);
+    plant_run_ms(plant, 3000);
+    ck_assert_int_eq(plant->manager->state, NETWORK_OPERATIONAL);
+    plant_free(plant);
+}
+END_TEST
+
 /* "Not now" right after the boot-up: asked again a second later. */
 static const struct busy {
     const char *request, *answer;
@@ -286,6 +307,7 @@ int main(void)
     tcase_add_loop_test(tcase, test_mended, 0, FAILURES);
     tcase_add_test(tcase, test_nothing_after_difference);
     tcase_add_test(tcase, test_identity_in_order);
+    tcase_add_test(tcase, test_garbled);
     tcase_add_loop_test(tcase, test_busy, 0, sizeof busy / sizeof busy[0]);
     tcase_add_loop_test(tcase, test_lost_frames, 0, 3);
     return suite_run("boot_failures", tcase);

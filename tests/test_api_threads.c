@@ -100,6 +100,7 @@ static void readers_start(struct reader *readers, bool one_node, unsigned count)
 /* To one node they come in turn, to several side by side. */
 START_TEST(many_threads_read)
 {
+    const unsigned expected = _i == 0 ? THREADS * READS : READS;
     struct reader readers[THREADS];
 
     api_boot(plant, API_NODE(5) API_NODE(6));
@@ -108,7 +109,8 @@ START_TEST(many_threads_read)
         thread_join(&readers[i].thread);
         ck_assert_int_eq(readers[i].result, MCANOPEN_OK);
     }
-    ck_assert_uint_eq(api_wire_count(wire, "605#401020"), _i == 0 ? THREADS * READS : READS);
+    api_wire_wait(wire, "605#401020", expected);
+    ck_assert_uint_eq(api_wire_count(wire, "605#401020"), expected);
 }
 END_TEST
 

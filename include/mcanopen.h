@@ -341,7 +341,8 @@ MCANOPEN_API int mcanOpenNodeControl(int net, int nodeID, long flags);
  *
  * nodeID 0 (ours) addresses all nodes, with one frame. The manager's own node-ID changes the state
  * of the manager: with NMT_Auto_Operational FALSE, mcanOpenStartNode(net, Manager_Node_Id) is how
- * the application lets the network start. No slave is started before the manager is operational.
+ * the application lets the network start; with NMT_Master FALSE it is all that may be commanded. No
+ * slave is started before the manager is operational.
  *
  *   Start       NMT start remote node
  *   Stop        NMT stop remote node

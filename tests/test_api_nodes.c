@@ -144,8 +144,12 @@ START_TEST(who_is_not_master_commands_nobody)
     ck_assert_int_eq(mcanOpenInitialize(), MCANOPEN_OK);
     ck_assert_int_eq(api_config(plant, "<NMT_Master>FALSE</NMT_Master>" API_NODE(5)), MCANOPEN_OK);
     mcanOpenStart();
-    for (int i = 0; i < ROWS(commands); i++)
+    for (int i = 0; i < ROWS(commands); i++) {
         ck_assert_int_eq(commands[i].call(0, 5), MCAL_NODE_NOT_FREE);
+        ck_assert_int_eq(commands[i].call(0, 0), MCAL_NODE_NOT_FREE);
+    }
+    ck_assert_int_eq(mcanOpenStopNode(0, 127), MCANOPEN_OK); /* its own state */
+    api_wait_state(0, 127, MCANOPEN_STATE_STOPPED);
     ck_assert_uint_eq(api_wire_count(wire, "000#"), 0);
 }
 END_TEST

@@ -23,16 +23,11 @@ static int command(int net, int node, enum nmt_command nmt)
     result = registry_enter(net, true, &managed);
     if (result != MCANOPEN_OK)
         return result;
-    if (managed->config->nmt_master) {
-        out = network_enter(managed->network, &now);
-        result = error_of_bus_state(network_bus_state(managed->network));
-        if (result == MCANOPEN_OK)
-            result = error_of_command(
-                manager_command(managed->manager, nmt, (uint8_t)node, now, out));
-        network_leave(managed->network, managed->config->manager_node_id);
-    } else {
-        result = MCAL_NODE_NOT_FREE;
-    }
+    out = network_enter(managed->network, &now);
+    result = error_of_bus_state(network_bus_state(managed->network));
+    if (result == MCANOPEN_OK)
+        result = error_of_command(manager_command(managed->manager, nmt, (uint8_t)node, now, out));
+    network_leave(managed->network, managed->config->manager_node_id);
     registry_leave();
     return result;
 }

@@ -106,6 +106,20 @@ static const struct make makes[] = {
       "1801:01 81010040\n",
       "" },
     { "bit 29 kept", RPDO(P("0x3FFFFFFF")), "1400:01 FFFFFFBF\n1400:01 FFFFFF3F\n", "" },
+    { "another emergency COB-ID: switched off first", U32("1014", D("$NODEID+0x80") P("0xA0")),
+      "1014:00 A0000080\n1014:00 A0000000\n", "" },
+    { "an emergency consumer of another node, one of none yet",
+      RECORD("1028") U32("1028sub1", D("0x81") P("0x82"))
+          U32("1028sub2", D("0x80000000") P("0x83")),
+      "1028:01 82000080\n1028:01 82000000\n1028:02 83000000\n", "" },
+    { "the same emergency COB-ID, or switched off",
+      U32("1014", D("$NODEID+0x80") P("$NODEID+0x80")) RECORD("1028")
+          U32("1028sub1", D("0x81") P("0x80000082")),
+      "1014:00 85000000\n1028:01 82000080\n", "" },
+    { "the COB-IDs of another SDO: switched off first",
+      RECORD("1201") U32("1201sub1", D("0x601") P("0x602")) U32("1201sub2", D("0x581") P("0x582"))
+          U8("1201sub3", P("7")),
+      "1201:01 02060080\n1201:01 02060000\n1201:02 82050080\n1201:02 82050000\n1201:03 07\n", "" },
     { "a PDO that stays off", RPDO(P("0x80000205")) U8("1400sub2", P("1")),
       "1400:01 05020080\n1400:02 01\n", "" },
     { "only the mapping: the default COB-ID",

@@ -36,6 +36,9 @@ static const char *value_of(uint16_t index, uint8_t sub)
     return hex_format(entry->value, entry->size, text, sizeof text);
 }
 
+#define TEN     "0123456789"
+#define SEVENTY TEN TEN TEN TEN TEN TEN TEN
+
 static const struct {
     const char *values;
     const char *type;
@@ -50,6 +53,7 @@ static const struct {
     { "HighLimit=3\nDefaultValue=4\n", "5", "04", 1 },
     { "DefaultValue=abc\n", "9", "616263", 64 },
     { "", "9", "", 64 },
+    { "DefaultValue=abc\nParameterValue=" SEVENTY "\n", "9", "616263", 70 },
     { "", "8", "00000000", 4 },
     { "", "0xC", "000000000000", 6 },
     { "", "0xF", "", 65536 },

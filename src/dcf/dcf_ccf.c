@@ -155,7 +155,7 @@ static void put_all(struct dcf_maker *self)
     for (size_t i = 0; i < dcf->count; i++) {
         tell_refused(self, &dcf->entries[i]);
         if (place_of(dcf->entries[i].index) == PLACE_BY_INDEX && dcf_maker_writes(&dcf->entries[i]))
-            dcf_maker_put(self, &dcf->entries[i]);
+            dcf_maker_put_single(self, &dcf->entries[i]);
     }
     dcf_maker_put_sync(self);
     dcf_maker_put_error_control(self);

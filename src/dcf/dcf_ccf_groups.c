@@ -1,10 +1,11 @@
-/* SYNC and error control: objects whose order matters. */
+/* COB-IDs, SYNC and error control: what devices take only in a certain order. */
 #include "dcf/dcf_maker.h"
 
 #define SYNC_COB_ID   0x1005u
 #define SYNC_PERIOD   0x1006u
 #define SYNC_OVERFLOW 0x1019u
 #define SYNC_PRODUCES 0x40000000u
+#define COB_INVALID   0x80000000u
 #define CONSUMER      0x1016u
 #define CONSUMERS_MAX 127u
 
@@ -23,6 +24,29 @@ static uint64_t parameter_number(const struct dcf_maker *self, const struct dcf_
 static bool may_write(const struct dcf_entry *entry)
 {
     return entry && dcf_entry_downloads(entry);
+}
+
+/* EMCY, its consumers, SDO channels: bit 31 switches them off. PDOs are elsewhere. */
+static bool is_switched_cob_id(const struct dcf_entry *entry)
+{
+    if (entry->type != OD_UNSIGNED32)
+        return false;
+    if (entry->index == 0x1014)
+        return entry->sub == 0;
+    if (entry->index == 0x1028)
+        return entry->sub != 0;
+    return entry->index > 0x1200 && entry->index <= 0x12FF && (entry->sub == 1 || entry->sub == 2);
+}
+
+void dcf_maker_put_single(struct dcf_maker *self, const struct dcf_entry *entry)
+{
+    uint64_t before = initial_number(self, entry);
+    uint64_t after = entry->parameter.given ? parameter_number(self, entry) : before;
+
+    if (is_switched_cob_id(entry) && entry->initial.given && before != after &&
+        ((before | after) & COB_INVALID) == 0)
+        dcf_maker_put_number(self, entry, after | COB_INVALID);
+    dcf_maker_put(self, entry);
 }
 
 /* A producing device refuses another identifier or counter: it is switched off first. */

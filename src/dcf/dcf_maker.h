@@ -27,6 +27,8 @@ void dcf_maker_put_pdo(struct dcf_maker *self, uint16_t communication);
 bool dcf_is_pdo(uint16_t index);
 
 /* dcf_ccf_groups.c */
+/* An entry without an order among others; a COB-ID in use is switched off first. */
+void dcf_maker_put_single(struct dcf_maker *self, const struct dcf_entry *entry);
 void dcf_maker_put_sync(struct dcf_maker *self);
 void dcf_maker_put_error_control(struct dcf_maker *self);
 

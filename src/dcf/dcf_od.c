@@ -20,6 +20,8 @@ static uint32_t capacity_of(struct od_maker *self, const struct dcf_entry *entry
 
     if (od_type_size(entry->type) != 0)
         return 0;
+    if (entry->parameter.size > size)
+        size = entry->parameter.size;
     if (entry->type == OD_DOMAIN && self->domains_left >= DOMAIN_ROOM) {
         self->domains_left -= DOMAIN_ROOM;
         room = DOMAIN_ROOM;

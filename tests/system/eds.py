@@ -30,7 +30,10 @@ def encode(kind, text, node=0):
     if kind == VISIBLE_STRING:
         return text.encode("latin-1")
     if kind in (REAL32, REAL64):
-        return struct.pack("<f" if kind == REAL32 else "<d", float(text))
+        value = number(text)  # of a hexadecimal text these are the bits
+        if value is None or not text.upper().startswith("0X"):
+            return struct.pack("<f" if kind == REAL32 else "<d", float(text))
+        return value.to_bytes(BITS[kind] // 8, "little")
     value = number(text, node)
     if value is None or kind not in BITS:
         return None

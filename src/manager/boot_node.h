@@ -95,6 +95,8 @@ bool boot_node_is_booted_by_master(const struct boot_node *self);
 
 /* True from the first read to the end of its boot. */
 bool boot_node_is_in_mid_boot(const struct boot_node *self);
+/* How long the device may take for a write to this object. */
+co_us_t configure_node_timeout(const struct node_config *config, uint16_t index);
 /* What it is reset with, by its configuration. */
 enum nmt_command boot_node_reset_command(const struct boot_node *self);
 

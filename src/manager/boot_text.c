@@ -61,11 +61,20 @@ static void add_object(struct text *text, uint16_t index, uint8_t sub)
         add(text, " %s", known->name);
 }
 
+static void add_silence_of_server(struct text *text, const struct node_config *config,
+                                  const struct boot_failure *failure)
+{
+    co_us_t timeout = failure->letter == 'J' ? configure_node_timeout(config, failure->index)
+                                             : CO_MS(config->sdo_timeout);
+
+    add(text, "no answer within %u ms", (unsigned)(timeout / 1000u));
+}
+
 static void add_outcome(struct text *text, const struct node_config *config,
                         const struct boot_failure *failure)
 {
     switch ((enum sdo_outcome)failure->outcome) {
-    case SDO_OUTCOME_NO_ANSWER: add(text, "no answer within %u ms", config->sdo_timeout); break;
+    case SDO_OUTCOME_NO_ANSWER: add_silence_of_server(text, config, failure); break;
     case SDO_OUTCOME_NOT_SENT: add(text, "the request could not be sent: check the bus"); break;
     case SDO_OUTCOME_ABORTED:
         add(text, "the node answers abort %08Xh, %s", failure->abort_code,

@@ -4,10 +4,10 @@
 
 static const uint8_t save_signature[4] = { 's', 'a', 'v', 'e' };
 
-static co_us_t write_timeout(const struct boot_node *self, uint16_t index)
+co_us_t configure_node_timeout(const struct node_config *config, uint16_t index)
 {
     bool flash = index == 0x1010 || index == 0x1011 || (index >= 0x1F50 && index <= 0x1F57);
-    co_us_t timeout = CO_MS(self->config->sdo_timeout);
+    co_us_t timeout = CO_MS(config->sdo_timeout);
 
     return flash && timeout < BOOT_FLASH_TIMEOUT ? BOOT_FLASH_TIMEOUT : timeout;
 }
@@ -20,7 +20,8 @@ static void write_object(struct boot_node *self, const struct ccf_entry *entry)
                                      .sub = entry->sub,
                                      .source = entry->value,
                                      .size = entry->size,
-                                     .timeout = write_timeout(self, entry->index) };
+                                     .timeout = configure_node_timeout(self->config,
+                                                                       entry->index) };
 
     boot_node_want(self, &transfer);
 }

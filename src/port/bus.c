@@ -86,6 +86,11 @@ enum bus_state bus_get_state(struct bus *self)
     return self->ops->get_state(self);
 }
 
+unsigned bus_outages(const struct bus *self)
+{
+    return self->outages;
+}
+
 void bus_explain(struct bus *self, char *message, size_t message_size)
 {
     self->ops->explain(self, message, message_size);
@@ -132,13 +137,15 @@ static const struct timespec *time_left(co_us_t deadline, struct timespec *ret_l
 
 enum co_err bus_poll_until(struct bus_poll *self, co_us_t deadline)
 {
-    struct pollfd fds[2] = { { .fd = self->fd[0], .events = POLLIN },
-                             { .fd = self->fd[1], .events = POLLIN } };
+    struct pollfd fds[BUS_POLL_MAX];
     struct timespec left;
-    int count = ppoll(fds, 2, time_left(deadline, &left), NULL);
+    int count;
 
-    self->readable[0] = count > 0 && fds[0].revents != 0;
-    self->readable[1] = count > 0 && fds[1].revents != 0;
+    for (unsigned i = 0; i < BUS_POLL_MAX; i++)
+        fds[i] = (struct pollfd){ .fd = self->fd[i], .events = POLLIN };
+    count = ppoll(fds, BUS_POLL_MAX, time_left(deadline, &left), NULL);
+    for (unsigned i = 0; i < BUS_POLL_MAX; i++)
+        self->readable[i] = count > 0 && fds[i].revents != 0;
     if (count < 0)
         return errno == EINTR ? CO_OK : CO_ERR_IO;
     return count > 0 || clock_now() < deadline ? CO_OK : CO_ERR_TIMEOUT;

@@ -23,7 +23,7 @@ enum bus_state {
     BUS_WARNING,
     BUS_PASSIVE,
     BUS_OFF,
-    BUS_DOWN /* interface down or gone, or held by a stopped process */
+    BUS_DOWN /* interface down or gone, or at another bit rate; or held by a stopped process */
 };
 
 struct bus_options {
@@ -56,13 +56,16 @@ enum co_err bus_open(const char *name, const struct bus_options *options, struct
                      char *message, size_t message_size);
 void bus_close(struct bus *self);
 
-/* CO_ERR_AGAIN: no room at the moment, try again in a millisecond; CO_ERR_DOWN, CO_ERR_NO_BUS,
- * CO_ERR_HELD, CO_ERR_IO; CO_ERR_ARG: identifier or dlc out of range. */
+/* CO_ERR_AGAIN: no room at the moment, try again in a millisecond; CO_ERR_DOWN (bus-off, too),
+ * CO_ERR_NO_BUS, CO_ERR_HELD, CO_ERR_IO; CO_ERR_ARG: identifier or dlc out of range. */
 enum co_err bus_send(struct bus *self, const struct co_frame *frame);
 /* CO_ERR_AGAIN: nothing there; CO_ERR_DOWN, CO_ERR_NO_BUS, CO_ERR_IO. */
 enum co_err bus_receive(struct bus *self, struct bus_rx *ret_rx);
-/* Until a frame is there, bus_wake() or the deadline; CO_OK, CO_ERR_TIMEOUT, CO_ERR_DOWN, ...
- * CO_OK does not promise a frame. */
+/*
+ * Until a frame is there, the state may have changed, bus_wake() or the deadline; CO_OK,
+ * CO_ERR_TIMEOUT, CO_ERR_IO. A SocketCAN interface that is down or gone is waited for and used
+ * again, by its name, when it is back; filters and options stay.
+ */
 enum co_err bus_wait(struct bus *self, co_us_t deadline);
 /* Ends a bus_wait() of another thread, or the next one. */
 void bus_wake(struct bus *self);
@@ -74,6 +77,8 @@ void bus_wake(struct bus *self);
  */
 enum co_err bus_set_filters(struct bus *self, const struct bus_filter *filters, size_t count);
 enum bus_state bus_get_state(struct bus *self);
+/* How often a SocketCAN bus has become OFF or DOWN: some are over before anybody looks. */
+unsigned bus_outages(const struct bus *self);
 /*
  * One line of text about the state: what is wrong and what mends it; for a bus in order, so much.
  */

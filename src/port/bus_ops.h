@@ -26,6 +26,7 @@ struct bus_ops {
 struct bus {
     const struct bus_ops *ops;
     char name[BUS_NAME_SIZE];
+    _Atomic unsigned outages; /* see bus_outages() */
 };
 
 /* Where bus_open() puts its line of text; text may be NULL. */
@@ -43,12 +44,14 @@ enum co_err bus_fail(const struct bus_message *message, enum co_err err, const c
 bool bus_filters_pass(const struct bus_filter *filters, size_t count, const struct co_frame *frame);
 
 /*
- * One poll of up to two descriptors, until one is readable or the deadline. CO_OK, CO_ERR_TIMEOUT,
+ * One poll of descriptors (-1: none), until one is readable or the deadline. CO_OK, CO_ERR_TIMEOUT,
  * CO_ERR_IO; a signal ends it with CO_OK and nothing readable.
  */
+#define BUS_POLL_MAX 3
+
 struct bus_poll {
-    int fd[2];
-    bool readable[2];
+    int fd[BUS_POLL_MAX];
+    bool readable[BUS_POLL_MAX];
 };
 enum co_err bus_poll_until(struct bus_poll *self, co_us_t deadline);
 

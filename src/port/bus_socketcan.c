@@ -1,34 +1,39 @@
 #include "port/bus_socketcan.h"
 
 #include "port/bus_tags.h"
+#include "port/can_watch.h"
 #include "port/clock.h"
 #include "port/thread.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <linux/can.h>
+#include <linux/can/error.h>
 #include <linux/can/raw.h>
-#include <net/if_arp.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/eventfd.h>
-#include <sys/ioctl.h>
 #include <time.h>
 #include <unistd.h>
 
 #define RECEIVE_BUFFER (4 * 1024 * 1024) /* bytes; some thousand frames */
 #define STAMP_AGE_MAX  CO_MS(10000)      /* an older one means that the wall clock was set */
 
+/* Not the lost arbitrations (they are normal) and bus errors (they come as fast as frames). */
+#define ERROR_FRAMES (CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_CRTL | CAN_ERR_ACK)
+
 struct bus_socketcan {
     struct bus bus;
     const struct socketcan_calls *calls;
-    char name[IFNAMSIZ];
     int fd;
-    int wake; /* eventfd of bus_wake() */
-    int index;
+    int wake;           /* eventfd of bus_wake() */
     uint32_t overflows; /* of the socket, as last seen */
+    unsigned lost;      /* not yet told */
     bool own_frames;
     struct co_lock lock; /* of what the sending and the receiving thread share: */
+    struct can_watch watch;
     struct bus_tags tags;
+    unsigned tags_outages; /* when they were last forgotten */
     struct bus_filter *filters;
     size_t filter_count;
 };
@@ -100,19 +105,55 @@ static bool expect_back(struct bus_socketcan *self, const struct co_frame *frame
     return expected;
 }
 
+/* Under the lock: what was on its way when the connection was lost does not come back. */
+static void forget_sent(struct bus_socketcan *self)
+{
+    if (self->bus.outages != self->tags_outages)
+        self->tags.count = 0;
+    self->tags_outages = self->bus.outages;
+}
+
+/* What a call has run into; the kernel is asked how the interface is. */
+static void doubt_interface(struct bus_socketcan *self)
+{
+    lock_take(&self->lock);
+    can_watch_doubt(&self->watch);
+    forget_sent(self);
+    lock_give(&self->lock);
+}
+
+static enum co_err why_not(struct bus_socketcan *self)
+{
+    enum co_err err;
+
+    lock_take(&self->lock);
+    err = can_watch_error(&self->watch);
+    lock_give(&self->lock);
+    return err;
+}
+
 static enum co_err socketcan_send(struct bus *bus, const struct co_frame *frame)
 {
     struct bus_socketcan *self = to_socketcan(bus);
     struct can_frame raw = to_kernel(frame);
-    bool expected = expect_back(self, frame); /* before: it may come back at once */
-    ssize_t size = self->calls->send(self->fd, &raw, sizeof raw, 0);
-    enum co_err err = size < 0 ? error_of(errno) : CO_OK;
+    enum co_err err = CO_OK;
+    bool expected;
 
-    if (err && expected) {
+    if (can_watch_state(&self->watch) >= BUS_OFF) /* the kernel might drop it and say nothing */
+        err = why_not(self);
+    if (err)
+        return err;
+    expected = expect_back(self, frame); /* before: it may come back at once */
+    if (self->calls->send(self->fd, &raw, sizeof raw, 0) >= 0)
+        return CO_OK;
+    err = error_of(errno);
+    if (expected) {
         lock_take(&self->lock);
         bus_tags_take_back(&self->tags, frame);
         lock_give(&self->lock);
     }
+    if (err == CO_ERR_DOWN || err == CO_ERR_NO_BUS)
+        doubt_interface(self);
     return err;
 }
 
@@ -130,26 +171,26 @@ static co_us_t monotonic_of(const struct timespec *stamp)
     return age > 0 && age < (int64_t)STAMP_AGE_MAX ? now - (co_us_t)age : now;
 }
 
-static void read_control(struct bus_socketcan *self, struct msghdr *message, struct bus_rx *rx)
+/* The time of reception; the losses are added up. */
+static co_us_t read_control(struct bus_socketcan *self, struct msghdr *message)
 {
     struct timespec stamp;
     uint32_t overflows;
+    co_us_t time = 0;
 
-    rx->time = 0;
     for (struct cmsghdr *part = CMSG_FIRSTHDR(message); part; part = CMSG_NXTHDR(message, part)) {
         if (part->cmsg_level != SOL_SOCKET)
             continue;
         if (part->cmsg_type == SO_RXQ_OVFL) {
             memcpy(&overflows, CMSG_DATA(part), sizeof overflows);
-            rx->lost = overflows - self->overflows;
+            self->lost += overflows - self->overflows;
             self->overflows = overflows;
         } else if (part->cmsg_type == SCM_TIMESTAMPNS) {
             memcpy(&stamp, CMSG_DATA(part), sizeof stamp);
-            rx->time = monotonic_of(&stamp);
+            time = monotonic_of(&stamp);
         }
     }
-    if (rx->time == 0)
-        rx->time = clock_now();
+    return time != 0 ? time : clock_now();
 }
 
 static void mark_own(struct bus_socketcan *self, struct co_frame *frame)
@@ -160,8 +201,19 @@ static void mark_own(struct bus_socketcan *self, struct co_frame *frame)
     frame->flags |= CO_FRAME_OWN;
 }
 
-/* CO_ERR_AGAIN also for what is no classic frame. */
-static enum co_err receive_one(struct bus_socketcan *self, struct bus_rx *ret_rx)
+static void take_error_frame(struct bus_socketcan *self, const struct can_frame *frame)
+{
+    lock_take(&self->lock);
+    can_watch_on_error_frame(&self->watch, frame);
+    self->lost += self->watch.overruns;
+    self->watch.overruns = 0;
+    forget_sent(self);
+    lock_give(&self->lock);
+}
+
+/* One message; *ret_is_frame: it is a frame for the stack. */
+static enum co_err receive_one(struct bus_socketcan *self, struct bus_rx *ret_rx,
+                               bool *ret_is_frame)
 {
     union {
         struct cmsghdr align;
@@ -175,40 +227,43 @@ static enum co_err receive_one(struct bus_socketcan *self, struct bus_rx *ret_rx
                               .msg_controllen = sizeof control.bytes };
     ssize_t size = self->calls->recvmsg(self->fd, &message, 0);
 
+    *ret_is_frame = false;
     if (size < 0)
         return error_of(errno);
-    if (size != CAN_MTU || (raw.can_id & CAN_ERR_FLAG))
-        return CO_ERR_AGAIN;
-    *ret_rx = (struct bus_rx){ .frame = from_kernel(&raw) };
-    read_control(self, &message, ret_rx);
+    ret_rx->time = read_control(self, &message);
+    if (size != CAN_MTU)
+        return CO_OK;
+    if (raw.can_id & CAN_ERR_FLAG) {
+        take_error_frame(self, &raw);
+        return CO_OK;
+    }
+    ret_rx->frame = from_kernel(&raw);
     if (message.msg_flags & MSG_CONFIRM)
         mark_own(self, &ret_rx->frame);
+    *ret_is_frame = can_watch_state(&self->watch) != BUS_DOWN; /* else of another interface's */
     return CO_OK;
 }
 
 static enum co_err socketcan_receive(struct bus *bus, struct bus_rx *ret_rx)
 {
-    return receive_one(to_socketcan(bus), ret_rx);
-}
-
-static enum co_err socketcan_wait(struct bus *bus, co_us_t deadline)
-{
     struct bus_socketcan *self = to_socketcan(bus);
-    struct bus_poll poll = { .fd = { self->fd, self->wake } };
-    enum co_err err = bus_poll_until(&poll, deadline);
-    uint64_t count;
+    struct bus_rx rx = { .lost = 0 };
+    bool is_frame = false;
 
-    if (poll.readable[1] && read(self->wake, &count, sizeof count) != (ssize_t)sizeof count)
-        return CO_ERR_IO;
-    return err;
-}
+    while (!is_frame) {
+        enum co_err err = receive_one(self, &rx, &is_frame);
 
-static void socketcan_wake(struct bus *bus)
-{
-    const uint64_t one = 1;
-    ssize_t size = write(to_socketcan(bus)->wake, &one, sizeof one);
-
-    (void)size; /* EAGAIN: 2^64 - 2 wake-ups are pending, one more says nothing new */
+        if (err == CO_ERR_AGAIN && can_watch_state(&self->watch) == BUS_DOWN)
+            return why_not(self);
+        if (err == CO_ERR_DOWN || err == CO_ERR_NO_BUS || err == CO_ERR_IO)
+            doubt_interface(self);
+        if (err != CO_OK)
+            return err;
+    }
+    rx.lost = self->lost;
+    self->lost = 0;
+    *ret_rx = rx;
+    return CO_OK;
 }
 
 /* --- filters --- */
@@ -229,18 +284,22 @@ static struct can_filter to_kernel_filter(const struct bus_filter *filter)
     return result;
 }
 
+/* Without any (count 0) all data frames with 11-bit identifiers. */
 static enum co_err set_kernel_filters(struct bus_socketcan *self, const struct bus_filter *filters,
                                       size_t count)
 {
-    struct can_filter *raw = calloc(count, sizeof *raw);
+    static const struct bus_filter plain = { .flags_mask = CO_FRAME_EXT | CO_FRAME_RTR };
+    size_t raw_count = count > 0 ? count : 1;
+    struct can_filter *raw = calloc(raw_count, sizeof *raw);
     int error;
 
     if (!raw)
         return CO_ERR_MEMORY;
+    raw[0] = to_kernel_filter(&plain);
     for (size_t i = 0; i < count; i++)
         raw[i] = to_kernel_filter(&filters[i]);
     error = self->calls->setsockopt(self->fd, SOL_CAN_RAW, CAN_RAW_FILTER, raw,
-                                    (socklen_t)(count * sizeof *raw));
+                                    (socklen_t)(raw_count * sizeof *raw));
     free(raw);
     return error < 0 ? CO_ERR_IO : CO_OK;
 }
@@ -248,7 +307,6 @@ static enum co_err set_kernel_filters(struct bus_socketcan *self, const struct b
 static enum co_err socketcan_set_filters(struct bus *bus, const struct bus_filter *filters,
                                          size_t count)
 {
-    static const struct bus_filter plain = { .flags_mask = CO_FRAME_EXT | CO_FRAME_RTR };
     struct bus_socketcan *self = to_socketcan(bus);
     struct bus_filter *copy = malloc((count + 1) * sizeof *copy), *old;
     enum co_err err;
@@ -257,8 +315,7 @@ static enum co_err socketcan_set_filters(struct bus *bus, const struct bus_filte
         return CO_ERR_MEMORY;
     if (count > 0)
         memcpy(copy, filters, count * sizeof *copy);
-    err = count > 0 ? set_kernel_filters(self, filters, count)
-                    : set_kernel_filters(self, &plain, 1);
+    err = set_kernel_filters(self, filters, count);
     if (err) {
         free(copy);
         return err;
@@ -274,53 +331,68 @@ static enum co_err socketcan_set_filters(struct bus *bus, const struct bus_filte
 
 /* --- the interface --- */
 
-static int request(const struct bus_socketcan *self, unsigned long number, struct ifreq *ret)
+/* Of the interface that went away the kernel has dropped the filters, too. */
+static enum co_err bind_to(struct bus_socketcan *self, int index)
 {
-    memset(ret, 0, sizeof *ret);
-    memcpy(ret->ifr_name, self->name, sizeof ret->ifr_name);
-    return self->calls->request(self->fd, number, ret);
+    const struct sockaddr_can address = { .can_family = AF_CAN, .can_ifindex = index };
+    enum co_err err = set_kernel_filters(self, self->filters, self->filter_count);
+
+    if (err)
+        return err;
+    return self->calls->bind(self->fd, (const struct sockaddr *)&address, sizeof address) < 0
+               ? error_of(errno)
+               : CO_OK;
 }
 
-static bool is_up(const struct bus_socketcan *self)
+/* Under the lock: what the news ask for. Where binding fails, the interface is gone again. */
+static enum co_err follow_interface(struct bus_socketcan *self)
 {
-    struct ifreq interface;
+    int index = can_watch_bind_due(&self->watch);
+    enum co_err err = CO_OK;
 
-    return request(self, SIOCGIFFLAGS, &interface) == 0 && (interface.ifr_flags & IFF_UP) != 0;
+    if (index != 0)
+        err = bind_to(self, index);
+    if (index != 0 && err == CO_OK)
+        can_watch_bound(&self->watch, index);
+    forget_sent(self);
+    return err;
 }
 
-/* An interface that was removed and made again has another index: it is not ours. */
-static bool is_there(const struct bus_socketcan *self)
+static void read_news(struct bus_socketcan *self)
 {
-    struct ifreq interface;
-
-    return request(self, SIOCGIFINDEX, &interface) == 0 && interface.ifr_ifindex == self->index;
+    lock_take(&self->lock);
+    can_watch_read(&self->watch);
+    follow_interface(self);
+    lock_give(&self->lock);
 }
+
+static enum co_err socketcan_wait(struct bus *bus, co_us_t deadline)
+{
+    struct bus_socketcan *self = to_socketcan(bus);
+    struct bus_poll poll = { .fd = { self->fd, self->wake, self->watch.fd } };
+    enum co_err err = bus_poll_until(&poll, deadline);
+    uint64_t count;
+
+    if (poll.readable[1] && read(self->wake, &count, sizeof count) != (ssize_t)sizeof count)
+        return CO_ERR_IO;
+    if (poll.readable[2])
+        read_news(self);
+    return err;
+}
+
+static void socketcan_wake(struct bus *bus)
+{
+    const uint64_t one = 1;
+    ssize_t size = write(to_socketcan(bus)->wake, &one, sizeof one);
+
+    (void)size; /* EAGAIN: 2^64 - 2 wake-ups are pending, one more says nothing new */
+}
+
+/* --- state --- */
 
 static enum bus_state socketcan_get_state(struct bus *bus)
 {
-    struct bus_socketcan *self = to_socketcan(bus);
-
-    return is_there(self) && is_up(self) ? BUS_ACTIVE : BUS_DOWN;
-}
-
-static enum co_err say_absent(const struct bus_socketcan *self, const struct bus_message *message)
-{
-    return bus_fail(message, CO_ERR_NO_BUS,
-                    "%s: no such CAN interface; ip -br link show type can lists them, "
-                    "\"virtual:NAME\" needs no interface",
-                    self->name);
-}
-
-/* Only real controllers have a bit rate. */
-static enum co_err say_down(const struct bus_socketcan *self, unsigned kbit,
-                            const struct bus_message *message)
-{
-    if (strncmp(self->name, "vcan", 4) == 0 || strncmp(self->name, "vxcan", 5) == 0)
-        return bus_fail(message, CO_ERR_DOWN, "%s is down; run: ip link set %s up", self->name,
-                        self->name);
-    return bus_fail(message, CO_ERR_DOWN,
-                    "%s is down; run: ip link set %s up type can bitrate %u restart-ms 100",
-                    self->name, self->name, kbit > 0 ? kbit * 1000 : 500000);
+    return can_watch_state(&to_socketcan(bus)->watch);
 }
 
 static void socketcan_explain(struct bus *bus, char *text, size_t size)
@@ -328,12 +400,9 @@ static void socketcan_explain(struct bus *bus, char *text, size_t size)
     struct bus_socketcan *self = to_socketcan(bus);
     const struct bus_message message = { text, size };
 
-    if (!is_there(self))
-        say_absent(self, &message);
-    else if (!is_up(self))
-        say_down(self, 0, &message);
-    else
-        bus_fail(&message, CO_OK, "%s is up", self->name);
+    lock_take(&self->lock);
+    can_watch_explain(&self->watch, &message);
+    lock_give(&self->lock);
 }
 
 /* --- opening and closing --- */
@@ -347,27 +416,10 @@ static enum co_err open_socket(struct bus_socketcan *self, const struct bus_mess
         return bus_fail(message, CO_ERR_NO_BUS,
                         "%s: this kernel has no CAN support (run: modprobe can_raw); "
                         "\"virtual:NAME\" works without",
-                        self->name);
+                        self->watch.name);
     }
-    return bus_fail(message, error_of(errno), "%s: cannot open a CAN socket: %s", self->name,
+    return bus_fail(message, error_of(errno), "%s: cannot open a CAN socket: %s", self->watch.name,
                     strerror(errno));
-}
-
-static enum co_err find_interface(struct bus_socketcan *self, const struct bus_options *options,
-                                  const struct bus_message *message)
-{
-    struct ifreq interface;
-
-    if (request(self, SIOCGIFINDEX, &interface) < 0)
-        return say_absent(self, message);
-    self->index = interface.ifr_ifindex;
-    if (request(self, SIOCGIFHWADDR, &interface) < 0 ||
-        interface.ifr_hwaddr.sa_family != ARPHRD_CAN) {
-        return bus_fail(message, CO_ERR_NO_BUS,
-                        "%s is not a CAN interface; ip -br link show type can lists them",
-                        self->name);
-    }
-    return is_up(self) ? CO_OK : say_down(self, options->bitrate, message);
 }
 
 static int set_int(const struct bus_socketcan *self, int level, int option, int value)
@@ -382,36 +434,27 @@ static enum co_err configure_socket(struct bus_socketcan *self)
         set_int(self, SOL_SOCKET, SO_RCVBUF, RECEIVE_BUFFER);
     if (set_int(self, SOL_SOCKET, SO_RXQ_OVFL, 1) < 0 ||
         set_int(self, SOL_SOCKET, SO_TIMESTAMPNS, 1) < 0 ||
-        set_int(self, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, self->own_frames) < 0)
+        set_int(self, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, self->own_frames) < 0 ||
+        set_int(self, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, ERROR_FRAMES) < 0)
         return CO_ERR_IO;
     return socketcan_set_filters(&self->bus, NULL, 0);
 }
 
-static enum co_err bind_socket(const struct bus_socketcan *self)
+static enum co_err connect_interface(struct bus_socketcan *self, const struct bus_message *message)
 {
-    const struct sockaddr_can address = { .can_family = AF_CAN, .can_ifindex = self->index };
-
-    return self->calls->bind(self->fd, (const struct sockaddr *)&address, sizeof address) < 0
-               ? error_of(errno)
-               : CO_OK;
-}
-
-static enum co_err connect_interface(struct bus_socketcan *self, const struct bus_options *options,
-                                     const struct bus_message *message)
-{
-    enum co_err err = find_interface(self, options, message);
+    enum co_err err = can_watch_open(&self->watch, message);
 
     if (err)
         return err;
     err = configure_socket(self);
     if (!err)
-        err = bind_socket(self);
+        err = follow_interface(self);
     if (err)
-        return bus_fail(message, err, "%s: cannot use the CAN socket: %s", self->name,
+        return bus_fail(message, err, "%s: cannot use the CAN socket: %s", self->watch.name,
                         strerror(errno));
     self->wake = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     if (self->wake < 0)
-        return bus_fail(message, CO_ERR_IO, "%s: %s", self->name, strerror(errno));
+        return bus_fail(message, CO_ERR_IO, "%s: %s", self->watch.name, strerror(errno));
     return CO_OK;
 }
 
@@ -423,6 +466,7 @@ static void socketcan_close(struct bus *bus)
         close(self->fd);
     if (self->wake >= 0)
         close(self->wake);
+    can_watch_close(&self->watch);
     lock_done(&self->lock);
     free(self->filters);
     free(self);
@@ -438,7 +482,7 @@ static const struct bus_ops socketcan_ops = { .close = socketcan_close,
                                               .explain = socketcan_explain };
 
 static struct bus_socketcan *new_socketcan(const struct socketcan_calls *calls, const char *name,
-                                           bool own_frames)
+                                           const struct bus_options *options)
 {
     struct bus_socketcan *self = calloc(1, sizeof *self);
 
@@ -452,8 +496,11 @@ static struct bus_socketcan *new_socketcan(const struct socketcan_calls *calls, 
     self->calls = calls;
     self->fd = -1;
     self->wake = -1;
-    self->own_frames = own_frames;
-    memcpy(self->name, name, strlen(name) + 1);
+    self->own_frames = options->own_frames;
+    self->watch = (struct can_watch){
+        .calls = calls, .fd = -1, .kbit = options->bitrate, .outages = &self->bus.outages
+    };
+    memcpy(self->watch.name, name, strlen(name) + 1);
     return self;
 }
 
@@ -467,12 +514,12 @@ enum co_err bus_socketcan_open_with(const struct socketcan_calls *calls, const c
     if (name[0] == '\0' || strlen(name) >= IFNAMSIZ || strpbrk(name, "/: \t\n"))
         return bus_fail(message, CO_ERR_ARG,
                         "\"%s\" is no name of an interface, nor \"virtual:NAME\"", name);
-    self = new_socketcan(calls, name, options->own_frames);
+    self = new_socketcan(calls, name, options);
     if (!self)
         return bus_fail(message, CO_ERR_MEMORY, "%s: out of memory", name);
     err = open_socket(self, message);
     if (!err)
-        err = connect_interface(self, options, message);
+        err = connect_interface(self, message);
     if (err) {
         socketcan_close(&self->bus);
         return err;
@@ -481,20 +528,12 @@ enum co_err bus_socketcan_open_with(const struct socketcan_calls *calls, const c
     return CO_OK;
 }
 
-static int system_request(int fd, unsigned long number, struct ifreq *interface)
-{
-    return ioctl(fd, number, interface);
-}
-
 enum co_err bus_socketcan_open(const char *name, const struct bus_options *options,
                                struct bus **ret_bus, const struct bus_message *message)
 {
-    static const struct socketcan_calls system_calls = { .socket = socket,
-                                                         .request = system_request,
-                                                         .bind = bind,
-                                                         .setsockopt = setsockopt,
-                                                         .send = send,
-                                                         .recvmsg = recvmsg };
+    static const struct socketcan_calls system_calls = {
+        .socket = socket, .bind = bind, .setsockopt = setsockopt, .send = send, .recvmsg = recvmsg
+    };
 
     return bus_socketcan_open_with(&system_calls, name, options, ret_bus, message);
 }

@@ -7,12 +7,10 @@
 
 #include "port/bus_ops.h"
 
-#include <net/if.h>
 #include <sys/socket.h>
 
 struct socketcan_calls {
     int (*socket)(int family, int type, int protocol);
-    int (*request)(int fd, unsigned long request, struct ifreq *interface); /* ioctl() */
     int (*bind)(int fd, const struct sockaddr *address, socklen_t size);
     int (*setsockopt)(int fd, int level, int option, const void *value, socklen_t size);
     ssize_t (*send)(int fd, const void *data, size_t size, int flags);

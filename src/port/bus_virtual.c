@@ -166,7 +166,7 @@ static bool take_wake(int fd)
 /* Sleeps until somebody may have sent or the deadline. */
 static enum co_err sleep_until(struct bus_virtual *self, co_us_t deadline, bool *ret_woken)
 {
-    struct bus_poll poll = { .fd = { self->socket, self->wake } };
+    struct bus_poll poll = { .fd = { self->socket, self->wake, -1 } };
     struct segment_slot *slot = &self->segment.map->slots[self->slot];
     enum co_err err = CO_OK;
 

@@ -60,6 +60,8 @@ static void add_node_xml(struct chaos *chaos, FILE *xml, unsigned id)
     chaos->beats[id] = !ONE_IN(chaos, 4);
     if (chaos->beats[id])
         fprintf(xml, "<Consumer_Heartbeat_Time>900</Consumer_Heartbeat_Time>");
+    else if (ONE_IN(chaos, 2))
+        fprintf(xml, "<Guard_Time>200</Guard_Time><Life_Time_Factor>4</Life_Time_Factor>");
     if (ONE_IN(chaos, 4))
         fprintf(xml, "<Boot_Delay>%u</Boot_Delay>", random_below(chaos, 500));
     fprintf(xml, "</Node_Instance>");

@@ -24,7 +24,8 @@ struct plant_device {
     struct od od;
     struct slave slave;
     struct sim_device *sim;
-    bool reborn; /* its last boot-up message was lost */
+    bool reborn;    /* its last boot-up message was lost */
+    bool overtaken; /* a start command was behind its boot-up message on the wire */
 };
 
 struct plant {

@@ -87,13 +87,18 @@ static bool is_boot_up_under_way(const struct plant *plant, uint8_t node)
 
 static void check_start_of(const struct plant *plant, const struct node_config *config)
 {
-    const struct plant_device *device = plant->devices[config->node_id];
+    struct plant_device *device = plant->devices[config->node_id];
+    bool overtaken;
 
     if (!device || !device->sim->active || !config->nmt_slave || !config->auto_start_slave ||
         is_boot_up_under_way(plant, config->node_id))
         return;
-    check(plant, watch_is_configured(plant, config->node_id), config->node_id,
+    if (watch_is_configured(plant, config->node_id))
+        return;
+    overtaken = boot_node_is_in_mid_boot(&plant->manager->nodes[config->node_id]);
+    check(plant, overtaken && !device->overtaken, config->node_id,
           "started without its configuration");
+    device->overtaken = true; /* once: a reset has to follow */
 }
 
 /* What was put on its way while it was operational may get on the wire later. */
@@ -117,9 +122,15 @@ static void check_start(const struct plant *plant, uint8_t target)
 
 static void on_delivered(struct plant *plant, const struct co_frame *frame, uint8_t sender)
 {
+    enum nmt_command command;
+
     if (sender == plant->config->manager_node_id && frame->id == NMT_CAN_ID &&
         frame->data[0] == NMT_START)
         check_start(plant, frame->data[1]);
+    for (unsigned id = 1; id <= NETWORK_NODE_MAX; id++)
+        if (plant->devices[id] && nmt_command_for(frame, (uint8_t)id, &command) &&
+            (command == NMT_RESET_NODE || command == NMT_RESET_COMMUNICATION))
+            plant->devices[id]->overtaken = false;
 }
 
 void watch_start(struct plant *plant)

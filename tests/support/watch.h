@@ -3,7 +3,8 @@
  *
  *   - no slave gets NMT start before the manager is operational
  *   - a slave that the master boots gets it only with its whole configuration, in this life of the
- *     device (unless its boot-up message is still on the way, or lost: nobody can know then)
+ *     device (unless its boot-up message is still on the way, or lost: nobody can know then;
+ *     or it overtook the start command, which then must be followed by a reset)
  *
  * A violation fails the test and tells the last frames on the wire; SCENARIO_TRACE names a file for
  * all of them.

@@ -12,6 +12,7 @@
 #include "support/config_text.h"
 #include "support/suite.h"
 
+#include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -332,17 +333,34 @@ END_TEST
 
 /* --- waiting and closing --- */
 
+static unsigned waiting; /* under the network's lock */
+
 static void *wait_for_ever(void *context)
 {
     enum co_err *err = context;
     co_us_t now;
 
     network_enter(network, &now);
+    waiting++;
     *err = CO_OK;
     while (*err == CO_OK)
         *err = network_wait(network, 5, CO_NEVER);
     network_leave(network, 5);
     return NULL;
+}
+
+/* Who has the lock after them knows that they wait. */
+static void until_waiting(unsigned count)
+{
+    unsigned now_waiting = 0;
+    co_us_t now;
+
+    while (now_waiting < count) {
+        network_enter(network, &now);
+        now_waiting = waiting;
+        network_leave(network, 5);
+        sched_yield();
+    }
 }
 
 START_TEST(closing_ends_all_who_wait)
@@ -354,6 +372,7 @@ START_TEST(closing_ends_all_who_wait)
     ck_assert_int_eq(network_start(network), CO_OK);
     for (unsigned i = 0; i < 3; i++)
         ck_assert_int_eq(thread_start(&threads[i], "waits", wait_for_ever, &results[i]), CO_OK);
+    until_waiting(3);
     start = clock_now();
     network_shut(network);
     for (unsigned i = 0; i < 3; i++) {

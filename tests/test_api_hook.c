@@ -186,7 +186,9 @@ START_TEST(a_call_from_the_daemon)
     act.line = "network is up";
     act.call = rows[_i].call;
     ck_assert_int_eq(mcanOpenSetLog(on_line, NULL), MCANOPEN_OK);
-    api_boot(plant, API_NODE(5));
+    ck_assert_int_eq(mcanOpenInitialize(), MCANOPEN_OK);
+    ck_assert_int_eq(api_config(plant, API_NODE(5)), MCANOPEN_OK);
+    mcanOpenStart();
     ck_assert_int_eq(wait_for_result(), rows[_i].result);
     ck_assert_int_eq(mcanOpenShutDown(), MCANOPEN_OK);
 }

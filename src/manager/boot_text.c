@@ -266,6 +266,16 @@ static bool add_good_news(struct text *text, const struct node_config *node,
     }
 }
 
+static void add_node_id_taken(struct text *text, uint8_t state)
+{
+    add(text, "another device has this node-ID: it ");
+    if (state == NMT_INITIALISING)
+        add(text, "sends a boot-up message");
+    else
+        add(text, "says that it is %s", nmt_state_text(state));
+    add(text, "; is a second manager running? else change Manager_Node_Id");
+}
+
 static bool add_bad_news(struct text *text, const struct node_config *node,
                          const struct co_event *event)
 {
@@ -285,7 +295,18 @@ static bool add_bad_news(struct text *text, const struct node_config *node,
         add(text, "guarding toggle error no %u", (unsigned)event->actual);
         return true;
     case MANAGER_EMCY: add_emergency(text, event); return true;
+    case MANAGER_NODE_ID_TAKEN: add_node_id_taken(text, event->detail); return true;
     default: return false;
+    }
+}
+
+static enum co_severity severity_of(const struct co_event *event)
+{
+    switch (event->type) {
+    case MANAGER_EMCY:
+    case MANAGER_NODE_ID_TAKEN:
+    case MANAGER_NODE_TOGGLE: return CO_WARNING;
+    default: return CO_ERROR;
     }
 }
 
@@ -367,8 +388,7 @@ bool boot_text_event(const struct network_config *config, const struct co_event 
         *ret_severity = CO_INFO;
         return true;
     }
-    *ret_severity = event->type == MANAGER_EMCY || event->type == MANAGER_NODE_TOGGLE ? CO_WARNING
-                                                                                      : CO_ERROR;
+    *ret_severity = severity_of(event);
     return add_bad_news(&line, node, event);
 }
 

@@ -27,6 +27,15 @@ static void on_boot_up(struct manager *self, uint8_t node_id, const struct co_fr
         boot_network_reboot(self, node, now);
 }
 
+/* A second manager, most often; the answers to SDO requests of both get mixed up. */
+static void on_own_id(struct manager *self, uint8_t state)
+{
+    put_event(self, (struct co_event){ .type = MANAGER_NODE_ID_TAKEN,
+                                       .node = self->config->manager_node_id,
+                                       .detail = state,
+                                       .actual = ++self->taken });
+}
+
 void error_control_on_frame(struct manager *self, const struct co_frame *frame, co_us_t now)
 {
     uint8_t node_id, state;
@@ -34,6 +43,10 @@ void error_control_on_frame(struct manager *self, const struct co_frame *frame, 
 
     if (!nmt_parse_error_control(frame, &node_id, &state))
         return;
+    if (node_id == self->config->manager_node_id) {
+        on_own_id(self, state);
+        return;
+    }
     if (state == NMT_INITIALISING) {
         on_boot_up(self, node_id, frame, now);
         return;

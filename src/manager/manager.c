@@ -72,6 +72,7 @@ static bool consume(struct manager *self, const struct co_event *event, co_us_t 
     case PROTO_GUARD_STATE: error_control_on_alive(self, event->node, now); return true;
     case PROTO_HB_LOST:
     case PROTO_GUARD_LOST: error_control_on_lost(self, event->node, now); return true;
+    case MANAGER_NODE_ID_TAKEN:
     case PROTO_GUARD_TOGGLE: return !is_power_of_2(event->actual); /* told ever more rarely */
     case SLAVE_WRITTEN:
     case SLAVE_EMCY: return true;

@@ -57,6 +57,7 @@ struct manager {
     bool stop_all_due;  /* NMT stop all is still to be sent */
     bool shut;          /* no more SDO requests of the application */
     uint8_t reset_command;
+    unsigned taken;       /* error control frames of another device with the own node-ID */
     co_us_t deadline;     /* RESETTING: end of the boot delay */
     co_us_t deadline_max; /* ... which boot-up messages may put off until then */
     co_us_t boot_limit;   /* BOOTING: end of Boot_Time, CO_NEVER: none */

@@ -365,6 +365,31 @@ START_TEST(test_second_master_commands_all)
 }
 END_TEST
 
+/* Error control of the manager's own node-ID, from somebody else: told ever more rarely. */
+START_TEST(test_node_id_taken)
+{
+    struct plant *plant = operational();
+
+    ck_assert(!plant_said(plant, "this node-ID")); /* the manager's own boot-up is no news */
+    sim_say(&plant->sim, "77F#00");
+    plant_run_ms(plant, 10);
+    ck_assert(plant_said(plant, "warning: node 127 (manager): another device has this node-ID: it "
+                                "sends a boot-up message"));
+    ck_assert(!plant_said(plant, "not configured"));
+    for (unsigned i = 0; i < 9; i++) {
+        sim_say(&plant->sim, "77F#05");
+        plant_run_ms(plant, 10);
+    }
+    ck_assert(plant_said(plant, "another device has this node-ID: it says that it is operational"));
+    ck_assert_uint_eq(plant_said_times(plant, "this node-ID"), 4); /* 1st, 2nd, 4th, 8th */
+    sim_say(&plant->sim, "77F#R");
+    plant_run_ms(plant, 10);
+    ck_assert_uint_eq(plant_said_times(plant, "this node-ID"), 4);
+    ck_assert_int_eq(plant->manager->device.state, NMT_OPERATIONAL);
+    plant_free(plant);
+}
+END_TEST
+
 /* --- a start that overtakes the news of a restart --- */
 
 /*
@@ -413,6 +438,7 @@ int main(void)
     tcase_add_loop_test(tcase, test_own_stop, 0, 2);
     tcase_add_test(tcase, test_second_master);
     tcase_add_test(tcase, test_second_master_commands_all);
+    tcase_add_test(tcase, test_node_id_taken);
     tcase_add_test(tcase, test_start_overtakes);
     return suite_run("commands", tcase);
 }

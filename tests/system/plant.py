@@ -2,8 +2,10 @@
 
     MCANOPEN_TOOLS       folder of mcanopen, dcf2ccf (given by ctest)
     MCANOPEN_TEST_BUS    a CAN interface in place of virtual buses; candump takes the log there
+    MCANOPEN_TEST_INNER_BUS  another such interface, for tests with a gate
     MCANOPEN_TEST_WRAP   words before "mcanopen boot" and "mcanopen sim", as "valgrind -q ..."
     MCANOPEN_TEST_LIMIT  seconds that something awaited may take (60): only a failure takes them
+    MCANOPEN_TEST_BRIEF  not empty: less of the same, for slow places
     TEST_CORPUS_DIR      the corpus of real EDS and DCF files
 
 Nothing here sleeps to be right: a test waits for lines of the programs' output, for frames, or for
@@ -25,7 +27,10 @@ ROOT = HERE.parent.parent
 DATA = HERE.parent / "data"
 TOOLS = Path(os.environ.get("MCANOPEN_TOOLS", ROOT / "build" / "debug" / "tools"))
 MCANOPEN = str(TOOLS / "mcanopen")
+GATE = str(TOOLS.parent / "tests" / "gate")
+INNER_BUS = "MCANOPEN_TEST_INNER_BUS"
 WRAP = os.environ.get("MCANOPEN_TEST_WRAP", "").split()
+BRIEF = bool(os.environ.get("MCANOPEN_TEST_BRIEF"))
 LIMIT = float(os.environ.get("MCANOPEN_TEST_LIMIT", "60"))
 CORPUS = Path(os.environ.get("TEST_CORPUS_DIR", ROOT.parent / "shared" / "corpus" / "open"))
 SKIPPED = 77  # exit code that ctest is told to take for "not run"
@@ -61,11 +66,11 @@ class Stream:
 class Process:
     """A program of ours that runs; it is ended by its own id, at the latest with the test."""
 
-    def __init__(self, command, bus=None, cwd=None):
+    def __init__(self, command, bus=None, cwd=None, stdin=subprocess.DEVNULL):
         self.command = command
         environment = dict(os.environ, MCANOPEN_NET_0=bus) if bus else None
         self.popen = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                      stdin=subprocess.DEVNULL, text=True, errors="replace",
+                                      stdin=stdin, text=True, errors="replace",
                                       env=environment, cwd=cwd)
         news = threading.Condition()
         self.out, self.err = Stream(self.popen.stdout, news), Stream(self.popen.stderr, news)
@@ -113,6 +118,8 @@ class Process:
 
     def close(self):
         self.kill()
+        if self.popen.stdin:
+            self.popen.stdin.close()
         for stream in (self.out, self.err):
             stream.thread.join(LIMIT)
             stream.pipe.close()
@@ -127,13 +134,16 @@ class Bus:
 
     made = 0
 
-    def __init__(self):
+    def __init__(self, variable="MCANOPEN_TEST_BUS"):
         Bus.made += 1
-        self.interface = os.environ.get("MCANOPEN_TEST_BUS")
+        self.interface = os.environ.get(variable)
         self.name = self.interface or f"virtual:system-{os.getpid()}-{Bus.made}"
 
-    def file(self):
-        return Path("/dev/shm") / f"mcanopen-{os.geteuid()}-{self.name.partition(':')[2]}"
+    def remove(self):
+        """What is left where a process was killed."""
+        if not self.interface:
+            name = f"mcanopen-{os.geteuid()}-{self.name.partition(':')[2]}"
+            (Path("/dev/shm") / name).unlink(missing_ok=True)
 
 
 class Dump:
@@ -173,11 +183,33 @@ class Dump:
         return [frame for frame in self.frames() if frame != "7FF#"]
 
 
+class Gate:
+    """Two buses in one, and a frame that waits between them: see gate.c. 'inner' is the second bus:
+    what is alone on it is heard through the gate only.
+    """
+
+    def __init__(self, test, frame):
+        self.inner = Bus(INNER_BUS)
+        self.process = test.start([GATE, test.bus.name, self.inner.name, frame],
+                                  stdin=subprocess.PIPE)
+        test.buses.append(self.inner)
+        self.process.wait_for("open")
+
+    def wait(self):
+        """Until the frame is there; it waits."""
+        self.process.wait_for("at ")
+
+    def let_pass(self):
+        self.process.popen.stdin.write("\n")
+        self.process.popen.stdin.flush()
+
+
 class PlantTest(unittest.TestCase):
     """A test with a folder, a bus, and processes that end with it."""
 
     def setUp(self):
         self.bus = Bus()
+        self.buses = [self.bus]
         self.folder = Path(tempfile.mkdtemp(prefix="mcanopen-system-"))
         self.processes = []
         self.addCleanup(self._clean_up)
@@ -186,8 +218,8 @@ class PlantTest(unittest.TestCase):
     def _clean_up(self):
         for process in self.processes:
             process.close()
-        if not self.bus.interface:
-            self.bus.file().unlink(missing_ok=True)  # where a process was killed
+        for bus in self.buses:
+            bus.remove()
         shutil.rmtree(self.folder)
 
     def write(self, name, text):
@@ -195,8 +227,8 @@ class PlantTest(unittest.TestCase):
         path.write_text(text, encoding="utf-8")
         return path
 
-    def start(self, command, cwd=None):
-        process = Process([str(word) for word in command], self.bus.name, cwd)
+    def start(self, command, cwd=None, stdin=subprocess.DEVNULL):
+        process = Process([str(word) for word in command], self.bus.name, cwd, stdin)
         self.processes.append(process)
         return process
 
@@ -208,9 +240,10 @@ class PlantTest(unittest.TestCase):
     def dump(self):
         return Dump(self, self.bus)
 
-    def start_sim(self, *arguments):
+    def start_sim(self, *arguments, bus=None):
         """Returns when the devices are on the bus."""
-        process = self.start([*WRAP, MCANOPEN, "sim", "-q", "--bus", self.bus.name, *arguments])
+        name = (bus or self.bus).name
+        process = self.start([*WRAP, MCANOPEN, "sim", "-q", "--bus", name, *arguments])
         process.wait_for("simulated device")
         return process
 
@@ -242,8 +275,11 @@ class _Result(unittest.TextTestResult):
 
 
 def main(module="__main__"):
-    """Runs the tests of a file; the line at the end is what tests/run.sh counts."""
-    suite = unittest.defaultTestLoader.loadTestsFromName(module)
+    """Runs the tests of a file, or those named in the arguments, as "Class.test"; the line at the
+    end is what tests/run.sh counts.
+    """
+    names = [f"{module}.{name}" for name in sys.argv[1:]] or [module]
+    suite = unittest.defaultTestLoader.loadTestsFromNames(names)
     result = unittest.TextTestRunner(stream=sys.stdout, resultclass=_Result, verbosity=0).run(suite)
     ran = result.testsRun - len(result.skipped)
     failed = {getattr(test, "test_case", test).id()  # of several parts of a test: the test, once

@@ -95,8 +95,8 @@ void sdo_client_start(struct sdo_client *self, const struct sdo_transfer *transf
 bool sdo_client_cancel(struct sdo_client *self, sdo_abort_t code, struct co_outbox *out);
 
 /*
- * Other frames of the same sender have got on the wire: the request is not stuck, only queued behind
- * them. Its time limit to get there starts anew, up to SDO_SEND_LIMIT.
+ * Other frames of the same sender have got on the wire: the request is not stuck, only queued
+ * behind them. Its time limit to get there starts anew, up to SDO_SEND_LIMIT.
  */
 void sdo_client_on_progress(struct sdo_client *self, co_us_t now);
 

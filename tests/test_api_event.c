@@ -4,6 +4,8 @@
 #include "support/api_wire.h"
 #include "support/suite.h"
 
+#include <sched.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -174,7 +176,7 @@ END_TEST
 struct waiter {
     struct co_thread thread;
     int result; /* of the last call, the first one that failed */
-    unsigned events;
+    _Atomic unsigned events;
     co_us_t end;
 };
 
@@ -192,15 +194,23 @@ static void *take_all(void *context)
 static void waiters_start(struct waiter *waiters, unsigned count)
 {
     for (unsigned i = 0; i < count; i++) {
-        waiters[i].events = 0;
+        atomic_init(&waiters[i].events, 0);
         ck_assert_int_eq(thread_start(&waiters[i].thread, "waiter", take_all, &waiters[i]), CO_OK);
     }
+}
+
+static unsigned events_of(struct waiter *waiters, unsigned count)
+{
+    unsigned events = 0;
+
+    for (unsigned i = 0; i < count; i++)
+        events += atomic_load(&waiters[i].events);
+    return events;
 }
 
 START_TEST(each_event_goes_to_one_of_those_who_wait)
 {
     struct waiter waiters[3];
-    unsigned events = 0;
     char text[32];
 
     api_boot(plant, API_NODE(5));
@@ -210,13 +220,14 @@ START_TEST(each_event_goes_to_one_of_those_who_wait)
         api_wire_say(wire, text);
     }
     api_wait_log(plant, "field 00 00 63 00 00");
+    while (events_of(waiters, 3) < 100)
+        sched_yield();
     ck_assert_int_eq(mcanOpenShutDown(), MCANOPEN_OK);
     for (unsigned i = 0; i < 3; i++) {
         thread_join(&waiters[i].thread);
         ck_assert_int_eq(waiters[i].result, MCAL_NO_NET);
-        events += waiters[i].events;
     }
-    ck_assert_uint_eq(events, 100);
+    ck_assert_uint_eq(events_of(waiters, 3), 100);
 }
 END_TEST
 

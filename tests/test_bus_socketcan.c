@@ -62,7 +62,7 @@ static const struct {
     }
     { EAFNOSUPPORT, 0, 0, CAN(true, 250000), CO_ERR_NO_BUS, "\"virtual:NAME\" works without" },
     { EPROTONOSUPPORT, 0, 0, CAN(true, 250000), CO_ERR_NO_BUS, "modprobe can_raw" },
-    { EPERM, 0, 0, CAN(true, 250000), CO_ERR_PERMISSION, "cannot open a CAN socket" },
+    { EPERM, 0, 0, CAN(true, 250000), CO_ERR_PERMISSION, "no right to open a CAN socket" },
     { EMFILE, 0, 0, CAN(true, 250000), CO_ERR_IO, "Too many open files" },
     { 0, EMFILE, 0, CAN(true, 250000), CO_ERR_IO, "by a netlink socket: Too many open files" },
     { 0, EACCES, 0, CAN(true, 250000), CO_ERR_PERMISSION, "by a netlink socket: Permission" },

@@ -418,6 +418,12 @@ static enum co_err open_socket(struct bus_socketcan *self, const struct bus_mess
                         "\"virtual:NAME\" works without",
                         self->watch.name);
     }
+    if (errno == EPERM || errno == EACCES) {
+        return bus_fail(message, CO_ERR_PERMISSION,
+                        "%s: no right to open a CAN socket: %s; allow AF_CAN to this container or "
+                        "service",
+                        self->watch.name, strerror(errno));
+    }
     return bus_fail(message, error_of(errno), "%s: cannot open a CAN socket: %s", self->watch.name,
                     strerror(errno));
 }

@@ -2,7 +2,8 @@
 # Builds and tests everything: sh tests/run.sh [--all] [LANE...]
 #
 #   (nothing)   debug build, unit and scenario tests, rules of the house, vcan
-#   --all       and formatting, lint, sanitizers, 32 bit, valgrind, fuzzing, release build
+#   --all       and peers of other make, formatting, lint, sanitizers, 32 bit, valgrind, fuzzing,
+#               release build
 #   LANE        only these lanes, by name (and "debug", which others need)
 #
 # Missing packages are installed with apt-get; MCANOPEN_INSTALL=no leaves the system alone.
@@ -134,13 +135,12 @@ prepare_packages()
     lane packages install_packages "$@"
 }
 
-# The Python packages of tests/requirements.txt, in a place of their own.
+# prepare_venv VENV REQUIREMENTS: Python packages, in a place of their own
 prepare_venv()
 {
-    venv=$build/venv
-    python3 -m venv --clear "$venv" &&
-        "$venv/bin/pip" install -q --disable-pip-version-check -r tests/requirements.txt &&
-        cp tests/requirements.txt "$venv/installed" && echo "0 passed, 0 failed"
+    python3 -m venv --clear "$1" &&
+        "$1/bin/pip" install -q --disable-pip-version-check -r "$2" &&
+        cp "$2" "$1/installed" && echo "0 passed, 0 failed"
 }
 
 build_preset()
@@ -187,6 +187,16 @@ run_vcan()
 {
     [ -e tests/vcan/run.sh ] || cannot_run "there is no tests/vcan/run.sh" || return 1
     sh tests/vcan/run.sh "$build/debug"
+}
+
+# Against python-canopen and can-utils.
+run_interop()
+{
+    venv=$build/venv-interop
+    requirements=tests/interop/requirements.txt
+    cmp -s $requirements "$venv/installed" || prepare_venv "$venv" $requirements ||
+        cannot_run "pip does not install $requirements" || return 1
+    MCANOPEN_PYTHON=$venv/bin/python sh tests/vcan/run.sh "$build/debug" tests/interop/test_*.py
 }
 
 run_fuzz()
@@ -282,7 +292,8 @@ valgrind_example()
 
 run_ordinary()
 {
-    cmp -s tests/requirements.txt "$build/venv/installed" || lane venv prepare_venv
+    cmp -s tests/requirements.txt "$build/venv/installed" ||
+        lane venv prepare_venv "$build/venv" tests/requirements.txt
     lane debug build_preset debug && lane unit test_preset debug
     lane vcan run_vcan
     return 0
@@ -290,6 +301,7 @@ run_ordinary()
 
 run_more()
 {
+    lane interop run_interop
     lane format run_format
     lane tidy run_tidy
     lane asan test_preset asan -LE house

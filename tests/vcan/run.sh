@@ -1,8 +1,9 @@
 #!/bin/sh
-# Runs the vcan tests on a vcan0 of their own: sh tests/vcan/run.sh BUILD_DIR
+# Runs tests on a vcan0 of their own: sh tests/vcan/run.sh BUILD_DIR [TEST...]
 #
-# Tests are the programs BUILD_DIR/tests/vcan/test_* and the scripts tests/vcan/*.sh beside this
-# one. Where this kernel has CAN and lets us, they run in a network namespace of their own, else
+# Without TEST these are the programs BUILD_DIR/tests/vcan/test_* and the scripts tests/vcan/*.sh
+# beside this one; a TEST is a program, *.sh or *.py (run by MCANOPEN_PYTHON, python3).
+# Where this kernel has CAN and lets us, they run in a network namespace of their own, else
 # inside Debian's user-mode-linux kernel. They find vcan0 up, the tools of BUILD_DIR in PATH,
 # BUILD_DIR in MCANOPEN_BUILD, an empty folder in TMPDIR, and start in the source tree.
 #
@@ -14,6 +15,7 @@ set -u
 here=$(cd "$(dirname "$0")" && pwd)
 source=$(cd "$here/../.." && pwd)
 limit=${MCANOPEN_VCAN_SECONDS:-60}
+python=${MCANOPEN_PYTHON:-python3}
 
 cannot_run()
 {
@@ -37,8 +39,11 @@ milliseconds()
 run_test()
 {
     name=$(basename "$2")
-    command=$2
-    [ "$command" = "${command%.sh}" ] || command="sh $command"
+    case $2 in
+    *.sh) command="sh $2" ;;
+    *.py) command="$python -B $2" ;;
+    *) command=$2 ;;
+    esac
     mkdir "$1/tmp"
     start=$(milliseconds)
     # shellcheck disable=SC2086
@@ -48,20 +53,35 @@ run_test()
     rm -rf "$1/tmp"
 }
 
-# run_inside WORK: all tests
+# run_inside WORK: the tests in WORK/tests
 run_inside()
 {
     PATH=$build/tools:$PATH:/usr/sbin:/sbin
     MCANOPEN_BUILD=$build
     export PATH MCANOPEN_BUILD
-    for test in "$build"/tests/vcan/test_* "$here"/*.sh; do
-        [ -x "$test" ] || [ "$test" != "${test%.sh}" ] || continue
-        [ "$(basename "$test")" = run.sh ] || run_test "$1" "$test"
-    done
+    while read -r test; do
+        run_test "$1" "$test"
+    done <"$1/tests"
     echo end >>"$1/results"
 }
 
 # ---- outside -----------------------------------------------------------------------------------
+
+own_tests()
+{
+    for test in "$build"/tests/vcan/test_* "$here"/*.sh; do
+        [ -x "$test" ] || [ "$test" != "${test%.sh}" ] || continue
+        [ "$(basename "$test")" = run.sh ] || echo "$test"
+    done
+}
+
+# The tests named, by their whole paths.
+named_tests()
+{
+    for test in "$@"; do
+        echo "$(cd "$(dirname "$test")" && pwd)/$(basename "$test")"
+    done
+}
 
 # The words that run a command in a network namespace where vcan works; nothing if there are none.
 namespace_command()
@@ -104,7 +124,7 @@ for module in net/can/can net/can/can-raw net/can/can-bcm drivers/net/can/dev/ca
     drivers/net/can/vcan; do
     insmod \$modules/\$module.ko
 done
-MCANOPEN_VCAN_SECONDS=$limit sh '$here/run.sh' --inside '$1' '$build'
+MCANOPEN_VCAN_SECONDS=$limit MCANOPEN_PYTHON='$python' sh '$here/run.sh' --inside '$1' '$build'
 sync
 echo o >/proc/sysrq-trigger
 sleep 60
@@ -120,6 +140,22 @@ run_uml()
         "init=$1/init" con=null con0=fd:0,fd:1 >"$1/console" 2>&1 </dev/null
 }
 
+# cases_of LOG STATUS: "GOOD BAD" by the summaries of Check in it; without one it is one test
+cases_of()
+{
+    awk -v "status=$2" '
+        /^[0-9]+%: Checks: [0-9]+, Failures: [0-9]+, Errors: [0-9]+$/ {
+            split($0, n, /[^0-9]+/)
+            good += n[2] - n[3] - n[4]; bad += n[3] + n[4]
+        }
+        END {
+            if (status != 0 && bad == 0) bad = 1
+            if (status == 0 && good == 0) good = 1
+            print good + 0, bad + 0
+        }
+    ' "$1"
+}
+
 # report WORK: the lines and logs; the exit code of the lane
 report()
 {
@@ -129,8 +165,10 @@ report()
         [ "$status" = end ] && break
         verdict=ok
         [ "$status" = 124 ] && echo "time limit: $limit s" >>"$1/$name.log"
-        [ "$status" = 0 ] && passed=$((passed + 1))
-        [ "$status" = 0 ] || verdict=FAIL failed=$((failed + 1))
+        cases=$(cases_of "$1/$name.log" "$status")
+        passed=$((passed + ${cases% *}))
+        failed=$((failed + ${cases#* }))
+        [ "$status" = 0 ] || verdict=FAIL
         printf '%-5s %-40s %6d ms\n' "$verdict" "$name" "$time"
         [ "$status" = 0 ] || sed 's/^/    /' "$1/$name.log"
     done <"$1/results"
@@ -139,7 +177,7 @@ report()
         tail -n 20 "$1/console"
         failed=$((failed + 1))
     fi
-    [ "$passed$failed" != 00 ] || echo "there are no tests in $build/tests/vcan"
+    [ "$passed$failed" != 00 ] || echo "there are no tests"
     echo "$passed passed, $failed failed"
     [ $failed -eq 0 ] && [ $passed -gt 0 ]
 }
@@ -149,11 +187,20 @@ if [ "${1:-}" = --inside ]; then
     make_vcan && run_inside "$2"
     exit
 fi
-[ $# -eq 1 ] || cannot_run "usage: run.sh BUILD_DIR"
+[ $# -ge 1 ] || cannot_run "usage: run.sh BUILD_DIR [TEST...]"
 build=$(cd "$1" && pwd) || exit 1
+shift
+for test in "$@"; do
+    [ -e "$test" ] || cannot_run "there is no $test"
+done
 work=$(mktemp -d "${TMPDIR:-/tmp}/mcanopen-vcan.XXXXXX") || exit 1
 trap 'rm -rf "$work"' EXIT
 : >"$work/results"
+if [ $# -gt 0 ]; then
+    named_tests "$@" >"$work/tests"
+else
+    own_tests >"$work/tests"
+fi
 start=$(milliseconds)
 words=
 [ "${MCANOPEN_VCAN:-}" = uml ] || words=$(namespace_command)

@@ -86,7 +86,7 @@ static struct segment *peer_lock(const char *bus_name)
     static struct segment segment;
     const struct bus_message message = { NULL, 0 };
 
-    if (segment_open(&segment, bus_name + strlen("virtual:"), &message) != CO_OK ||
+    if (segment_open(&segment, bus_name + strlen("virtual:"), 0, &message) != CO_OK ||
         segment_lock(&segment, CO_MS(1000)) != CO_OK)
         exit(4);
     return &segment;

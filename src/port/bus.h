@@ -1,8 +1,11 @@
 /*
  * A CAN bus as the stack sees it, whatever is behind it.
  *
- *   "virtual:NAME"   a bus in user space for processes of this machine (bus_virtual.c)
- *   anything else    the SocketCAN interface of that name (bus_socketcan.c)
+ *   "virtual:NAME"             a bus in user space for processes of this machine (bus_virtual.c);
+ *                              frames take no time
+ *   "virtual:NAME?bitrate=N"   the same; they take the time they would at N bit/s, and wait for
+ *                              the wire
+ *   anything else              the SocketCAN interface of that name (bus_socketcan.c)
  *
  * One thread receives and waits; send and wake are for any thread, one at a time for send (the
  * owner's lock). Frames of one bus have one order, the same for all who listen.
@@ -33,7 +36,8 @@ struct bus_options {
 
 struct bus_rx {
     struct co_frame frame; /* with the tag it was sent with, where CO_FRAME_OWN is set */
-    co_us_t time;          /* of reception, monotonic */
+    co_us_t time;          /* of reception, monotonic; on a virtual bus with a bit rate that at
+                              which the wire is free again, however late it is fetched */
     unsigned lost;         /* frames lost before this one, because the reader was too slow;
                               on a virtual bus those the filters would have dropped count too */
 };

@@ -9,7 +9,7 @@
 #include "port/bus.h"
 
 #define BUS_VIRTUAL_PREFIX "virtual:"
-#define BUS_NAME_SIZE      48u  /* the prefix, 32 characters and the end */
+#define BUS_NAME_SIZE      64u  /* the prefix, 32 characters, "?bitrate=1000000" and the end */
 #define BUS_FILTERS_MAX    512u /* what Linux accepts for one CAN_RAW socket */
 
 struct bus_ops {

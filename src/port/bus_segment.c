@@ -102,6 +102,8 @@ static enum co_err set_up(struct segment *self, const struct bus_message *messag
     map->pid_space = inode_of("/proc/self/ns/pid");
     init_mutex(&map->mutex);
     map->next_number = 1;
+    map->wire.bitrate = self->bitrate;
+    atomic_store(&map->wire.due, CO_NEVER);
     atomic_store_explicit(&map->header.magic, SEGMENT_MAGIC, memory_order_release);
     munmap(map, sizeof *map);
     return CO_OK;
@@ -145,8 +147,41 @@ static enum co_err hold_file(struct segment *self, const struct bus_message *mes
     return is_still_the_file(self) ? CO_OK : CO_ERR_AGAIN;
 }
 
+static enum co_err check_bitrate(const struct segment *self, const struct bus_message *message)
+{
+    uint32_t theirs = self->map->wire.bitrate;
+    char asked[48] = "without one";
+
+    if (theirs == self->bitrate)
+        return CO_OK;
+    if (theirs == 0) {
+        return bus_fail(message, CO_ERR_BITRATE,
+                        "virtual bus %s is in use without a bit rate, not with %u bit/s; open it "
+                        "as \"virtual:%s\"",
+                        self->name, self->bitrate, self->name);
+    }
+    if (self->bitrate != 0)
+        snprintf(asked, sizeof asked, "with %u bit/s", self->bitrate);
+    return bus_fail(message, CO_ERR_BITRATE,
+                    "virtual bus %s is in use with %u bit/s, not %s; open it as "
+                    "\"virtual:%s?bitrate=%u\"",
+                    self->name, theirs, asked, self->name, theirs);
+}
+
+static enum co_err check_sharing(const struct segment *self, const struct bus_message *message)
+{
+    if (self->map->network_space == inode_of("/proc/self/ns/net") &&
+        self->map->pid_space == inode_of("/proc/self/ns/pid"))
+        return check_bitrate(self, message);
+    return bus_fail(message, CO_ERR_STATE,
+                    "virtual bus %s is in use in another network or PID namespace (container)",
+                    self->name);
+}
+
 static enum co_err join(struct segment *self, const struct bus_message *message)
 {
+    enum co_err err;
+
     if (!has_our_layout(self)) {
         return bus_fail(message, CO_ERR_STATE,
                         "virtual bus %s is in use by programs of another version or word size, or "
@@ -157,19 +192,18 @@ static enum co_err join(struct segment *self, const struct bus_message *message)
     if (!self->map)
         return bus_fail(message, CO_ERR_MEMORY, "virtual bus %s: cannot map %s: %s", self->name,
                         self->path, strerror(errno));
-    if (self->map->network_space == inode_of("/proc/self/ns/net") &&
-        self->map->pid_space == inode_of("/proc/self/ns/pid"))
-        return CO_OK;
-    munmap(self->map, sizeof *self->map);
-    return bus_fail(message, CO_ERR_STATE,
-                    "virtual bus %s is in use in another network or PID namespace (container)",
-                    self->name);
+    err = check_sharing(self, message);
+    if (err)
+        munmap(self->map, sizeof *self->map);
+    return err;
 }
 
-enum co_err segment_open(struct segment *self, const char *name, const struct bus_message *message)
+enum co_err segment_open(struct segment *self, const char *name, uint32_t bitrate,
+                         const struct bus_message *message)
 {
     enum co_err err = CO_ERR_AGAIN;
 
+    self->bitrate = bitrate;
     snprintf(self->name, sizeof self->name, "%s", name);
     snprintf(self->path, sizeof self->path, "/dev/shm/mcanopen-%u-%s", (unsigned)geteuid(), name);
     for (unsigned tries = 0; err == CO_ERR_AGAIN && tries < 100; tries++) {
@@ -241,9 +275,11 @@ enum co_err segment_lock(struct segment *self, co_us_t limit)
 
     if (error == EBUSY || error == ETIMEDOUT)
         return CO_ERR_HELD;
-    /* Its holder was killed: what it had begun to append is not visible, nothing needs mending. */
-    if (error == EOWNERDEAD)
+    /* Its holder was killed: what it had begun to append is not visible and needs no mending. */
+    if (error == EOWNERDEAD) {
+        segment_mend_wire(self);
         error = pthread_mutex_consistent(&self->map->mutex);
+    }
     if (error)
         return CO_ERR_IO;
     atomic_store_explicit(&self->map->holder, (uint32_t)getpid(), memory_order_relaxed);
@@ -314,6 +350,7 @@ void segment_take_slot(struct segment *self, unsigned slot, uint32_t number)
 
     atomic_store(&taken->number, 0);
     atomic_store(&taken->ticket, 0);
+    segment_disown_pending(self, slot);
     atomic_store(&taken->pid, pid);
     atomic_store(&taken->started, start_of_process(pid));
     atomic_store(&taken->number, number);

@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <limits.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/eventfd.h>
@@ -17,7 +18,19 @@
  */
 #define SLEEP_LIMIT CO_MS(1000)
 
+/* For one who only listens; later he looks that often, as nobody tells when the holder goes on. */
+#define HELD_LIMIT CO_MS(20)
+
 #define WAKE_BYTES_MAX 16 /* more than a socket queues for a sleeping participant */
+
+#define BITRATE_OPTION "?bitrate="
+#define BITRATE_MIN    1000u
+#define BITRATE_MAX    1000000u
+
+struct bus_name_parts {
+    char name[SEGMENT_NAME_MAX + 1];
+    uint32_t bitrate; /* bit/s; 0: none */
+};
 
 struct bus_virtual {
     struct bus bus;
@@ -32,6 +45,7 @@ struct bus_virtual {
     int socket; /* gets the bytes that wake us, sends those that wake others */
     int wake;   /* eventfd of bus_wake() */
     bool own_frames;
+    bool stuck;        /* the receiving thread found the bus held */
     _Atomic bool held; /* the last attempt to lock failed */
 };
 
@@ -89,16 +103,21 @@ static enum co_err virtual_send(struct bus *bus, const struct co_frame *frame)
 {
     struct bus_virtual *self = to_virtual(bus);
     struct segment_frame record = { .frame = *frame, .slot = self->slot };
+    bool news = true; /* for those who sleep */
     enum co_err err = lock_segment(self);
 
     if (err)
         return err;
     record.frame.flags &= CO_FRAME_EXT | CO_FRAME_RTR;
     record.time = clock_now(); /* in the order of the frames */
-    segment_append(&self->segment, &record);
+    if (self->segment.bitrate != 0)
+        err = segment_offer(&self->segment, &record, &news);
+    else
+        segment_append(&self->segment, &record);
     segment_unlock(&self->segment);
-    wake_participants(self);
-    return CO_OK;
+    if (!err && news)
+        wake_participants(self);
+    return err;
 }
 
 /* --- receiving --- */
@@ -110,13 +129,40 @@ static bool is_wanted(const struct bus_virtual *self, const struct segment_frame
     return bus_filters_pass(self->filters, self->filter_count, &record->frame);
 }
 
+/* A bus held by a stopped process stands still: its frames come when it goes on. */
+static void move_frames_on(struct bus_virtual *self)
+{
+    if (self->segment.bitrate == 0)
+        return;
+    self->stuck = segment_lock(&self->segment, self->stuck ? 0 : HELD_LIMIT) != CO_OK;
+    if (self->stuck)
+        return;
+    segment_move_on(&self->segment, clock_now());
+    segment_unlock(&self->segment);
+}
+
+/* False: there is none by now. */
+static bool read_next(struct bus_virtual *self, uint64_t *cursor, uint64_t *lost,
+                      struct segment_frame *ret_record)
+{
+    co_us_t due;
+
+    if (segment_read(&self->segment, cursor, lost, ret_record))
+        return true;
+    due = segment_due(&self->segment);
+    if (due == CO_NEVER || due > clock_now())
+        return false;
+    move_frames_on(self);
+    return segment_read(&self->segment, cursor, lost, ret_record);
+}
+
 static enum co_err virtual_receive(struct bus *bus, struct bus_rx *ret_rx)
 {
     struct bus_virtual *self = to_virtual(bus);
     struct segment_frame record = { .slot = 0 };
 
     do {
-        if (!segment_read(&self->segment, &self->cursor, &self->lost, &record))
+        if (!read_next(self, &self->cursor, &self->lost, &record))
             return CO_ERR_AGAIN;
     } while (!is_wanted(self, &record));
     ret_rx->frame = record.frame;
@@ -137,7 +183,7 @@ static bool has_frame(struct bus_virtual *self)
     uint64_t next = self->cursor;
     uint64_t lost = self->lost;
 
-    while (segment_read(&self->segment, &next, &lost, &record)) {
+    while (read_next(self, &next, &lost, &record)) {
         if (is_wanted(self, &record))
             return true;
         self->cursor = next;
@@ -163,6 +209,14 @@ static bool take_wake(int fd)
     return read(fd, &count, sizeof count) == (ssize_t)sizeof count;
 }
 
+/* When a frame will be through of which nobody will tell; to be asked with the ticket stored. */
+static co_us_t next_look(struct bus_virtual *self)
+{
+    co_us_t due = segment_due(&self->segment);
+
+    return self->stuck ? clock_now() + HELD_LIMIT : due;
+}
+
 /* Sleeps until somebody may have sent or the deadline. */
 static enum co_err sleep_until(struct bus_virtual *self, co_us_t deadline, bool *ret_woken)
 {
@@ -172,7 +226,7 @@ static enum co_err sleep_until(struct bus_virtual *self, co_us_t deadline, bool 
 
     atomic_store(&slot->ticket, ++self->ticket);
     if (segment_is_drained(&self->segment, self->cursor))
-        err = bus_poll_until(&poll, deadline);
+        err = bus_poll_until(&poll, co_earlier(deadline, next_look(self)));
     atomic_store(&slot->ticket, 0);
     if (poll.readable[0])
         drain_socket(self->socket);
@@ -193,6 +247,8 @@ static enum co_err virtual_wait(struct bus *bus, co_us_t deadline)
             return CO_OK;
         if (err && err != CO_ERR_TIMEOUT)
             return err;
+        if (err) /* also for what a sender was killed with before it could tell when to look */
+            move_frames_on(self);
         if (clock_now() >= deadline)
             return has_frame(self) ? CO_OK : CO_ERR_TIMEOUT;
     }
@@ -248,6 +304,14 @@ static enum co_err explain_hold(const struct segment *segment, const struct bus_
                     segment->name, pid);
 }
 
+static void explain_rate(const struct segment *segment, const struct bus_message *message)
+{
+    if (segment->bitrate != 0)
+        bus_fail(message, CO_OK, "virtual bus %s is up, %u bit/s", segment->name, segment->bitrate);
+    else
+        bus_fail(message, CO_OK, "virtual bus %s is up", segment->name);
+}
+
 static void virtual_explain(struct bus *bus, char *text, size_t size)
 {
     const struct bus_message message = { text, size };
@@ -255,7 +319,7 @@ static void virtual_explain(struct bus *bus, char *text, size_t size)
     if (virtual_get_state(bus) == BUS_DOWN)
         explain_hold(&to_virtual(bus)->segment, &message);
     else
-        bus_fail(&message, CO_OK, "virtual bus %s is up", to_virtual(bus)->segment.name);
+        explain_rate(&to_virtual(bus)->segment, &message);
 }
 
 /* --- opening and closing --- */
@@ -300,6 +364,8 @@ static enum co_err bind_address(struct bus_virtual *self)
 
 static enum co_err register_locked(struct bus_virtual *self, const struct bus_message *message)
 {
+    if (self->segment.bitrate != 0) /* what was before is not for us */
+        segment_move_on(&self->segment, clock_now());
     if (segment_find_slot(&self->segment, &self->slot) != CO_OK) {
         return bus_fail(message, CO_ERR_MEMORY,
                         "virtual bus %s has %u participants, there is no room for another",
@@ -345,10 +411,10 @@ static void close_descriptors(const struct bus_virtual *self)
         close(self->wake);
 }
 
-static enum co_err open_parts(struct bus_virtual *self, const char *name,
+static enum co_err open_parts(struct bus_virtual *self, const struct bus_name_parts *parts,
                               const struct bus_message *message)
 {
-    enum co_err err = segment_open(&self->segment, name, message);
+    enum co_err err = segment_open(&self->segment, parts->name, parts->bitrate, message);
 
     if (err)
         return err;
@@ -362,23 +428,72 @@ static enum co_err open_parts(struct bus_virtual *self, const char *name,
     return err;
 }
 
+/* "500000" */
+static bool parse_bitrate(const char *text, uint32_t *ret_bitrate)
+{
+    uint32_t bitrate = 0;
+
+    for (; *text >= '0' && *text <= '9' && bitrate <= BITRATE_MAX; text++)
+        bitrate = 10 * bitrate + (uint32_t)(*text - '0');
+    if (*text != '\0' || bitrate < BITRATE_MIN || bitrate > BITRATE_MAX)
+        return false;
+    *ret_bitrate = bitrate;
+    return true;
+}
+
+/* "NAME" or "NAME?bitrate=N" */
+static enum co_err split_name(const char *text, struct bus_name_parts *ret_parts,
+                              const struct bus_message *message)
+{
+    size_t length = strcspn(text, "?");
+
+    ret_parts->bitrate = 0;
+    snprintf(ret_parts->name, sizeof ret_parts->name, "%.*s", (int)length, text);
+    if (length >= sizeof ret_parts->name || !segment_name_is_valid(ret_parts->name)) {
+        return bus_fail(message, CO_ERR_ARG,
+                        "\"%s\" cannot name a virtual bus: 1 to %u letters, digits, '-', '_', '.'",
+                        text, SEGMENT_NAME_MAX);
+    }
+    if (text[length] == '\0')
+        return CO_OK;
+    text += length;
+    if (strncmp(text, BITRATE_OPTION, strlen(BITRATE_OPTION)) == 0 &&
+        parse_bitrate(text + strlen(BITRATE_OPTION), &ret_parts->bitrate))
+        return CO_OK;
+    return bus_fail(message, CO_ERR_ARG,
+                    "virtual bus %s: \"%s\" is not " BITRATE_OPTION "N, with N from %u to %u bit/s",
+                    ret_parts->name, text, BITRATE_MIN, BITRATE_MAX);
+}
+
+/* kbit: as configured, 0: any will do; the bus without a bit rate suits all. */
+static enum co_err check_configured(const struct bus_name_parts *parts, unsigned kbit,
+                                    const struct bus_message *message)
+{
+    if (parts->bitrate == 0 || kbit == 0 || parts->bitrate == (uint64_t)kbit * 1000u)
+        return CO_OK;
+    return bus_fail(message, CO_ERR_BITRATE,
+                    "virtual bus %s is to run at %u bit/s, but the network is configured for %u "
+                    "kbit/s; open it as \"virtual:%s" BITRATE_OPTION "%u000\"",
+                    parts->name, parts->bitrate, kbit, parts->name, kbit);
+}
+
 enum co_err bus_virtual_open(const char *name, const struct bus_options *options,
                              struct bus **ret_bus, const struct bus_message *message)
 {
+    struct bus_name_parts parts;
     struct bus_virtual *self;
-    enum co_err err;
+    enum co_err err = split_name(name, &parts, message);
 
-    if (!segment_name_is_valid(name)) {
-        return bus_fail(message, CO_ERR_ARG,
-                        "\"%s\" cannot name a virtual bus: 1 to %u letters, digits, '-', '_', '.'",
-                        name, SEGMENT_NAME_MAX);
-    }
+    if (!err)
+        err = check_configured(&parts, options->bitrate, message);
+    if (err)
+        return err;
     self = calloc(1, sizeof *self);
     if (!self)
-        return bus_fail(message, CO_ERR_MEMORY, "virtual bus %s: out of memory", name);
+        return bus_fail(message, CO_ERR_MEMORY, "virtual bus %s: out of memory", parts.name);
     self->bus.ops = &virtual_ops;
     self->own_frames = options->own_frames;
-    err = open_parts(self, name, message);
+    err = open_parts(self, &parts, message);
     if (err) {
         free(self);
         return err;

@@ -25,6 +25,15 @@ void fixture_choose_name(void)
              (int)getpid());
 }
 
+void fixture_choose_bitrate(unsigned bitrate)
+{
+    size_t length = strcspn(run_name, "?");
+
+    run_name[length] = '\0';
+    if (bitrate != 0)
+        snprintf(run_name + length, sizeof run_name - length, "?bitrate=%u", bitrate);
+}
+
 void fixture_remove_file(void)
 {
     unlink(run_path);

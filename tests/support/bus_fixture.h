@@ -9,6 +9,8 @@
 
 /* "virtual:test-PID" of this program, and the file it lives in. Choose first, in main(). */
 void fixture_choose_name(void);
+/* The same bus with "?bitrate=N" behind its name; 0: without. */
+void fixture_choose_bitrate(unsigned bitrate);
 const char *fixture_name(void);
 const char *fixture_path(void);
 /* What a failed test, or a killed participant, has left there. */

@@ -178,14 +178,14 @@ static pid_t start(const char *part, unsigned step)
     return peer_start(arguments);
 }
 
-static pid_t start_sender(unsigned id, unsigned step, unsigned count, int end)
+static pid_t start_sender(unsigned id, int step, unsigned count, int end)
 {
     char numbers[4][16];
     const char *const arguments[] = { "sender",   fixture_name(), numbers[0], numbers[1],
                                       numbers[2], numbers[3],     NULL };
 
     snprintf(numbers[0], sizeof numbers[0], "%u", id);
-    snprintf(numbers[1], sizeof numbers[1], "%u", step);
+    snprintf(numbers[1], sizeof numbers[1], "%d", step);
     snprintf(numbers[2], sizeof numbers[2], "%u", count);
     snprintf(numbers[3], sizeof numbers[3], "%d", end);
     return peer_start(arguments);
@@ -259,7 +259,7 @@ START_TEST(arbitration_is_between_all_processes)
 
     hold_wire(clock_now() + CO_MS(3600000));
     for (unsigned i = 0; i < SENDERS; i++) /* 205, 202, 1FF ...; 206, 203 ...; 207 ... */
-        senders[i] = start_sender(0x205 + i, (unsigned)-3, EACH, 0);
+        senders[i] = start_sender(0x205 + i, -3, EACH, 0);
     for (unsigned i = 0; i < SENDERS; i++)
         expect_success(senders[i]); /* what they have sent goes out without them */
     hold_wire(free = clock_now());
@@ -274,6 +274,20 @@ START_TEST(arbitration_is_between_all_processes)
     }
     bus_close(first);
     bus_close(second);
+}
+END_TEST
+
+START_TEST(what_others_have_left_takes_no_room)
+{
+    struct bus *reader = open_bus();
+
+    hold_wire(clock_now() + CO_MS(3600000));
+    for (unsigned i = 0; i < 3; i++)
+        expect_success(start_sender(0x301 + i, 0, SEGMENT_PENDING, 0));
+    hold_wire(clock_now());
+    for (unsigned n = 0; n < 3 * SEGMENT_PENDING; n++)
+        ck_assert_uint_eq(receive(reader).frame.id, 0x301 + n / SEGMENT_PENDING);
+    bus_close(reader);
 }
 END_TEST
 
@@ -451,6 +465,7 @@ int main(int argc, char **argv)
     tcase_set_timeout(tests, 100);
     tcase_add_checked_fixture(tests, fixture_remove_file, NULL);
     tcase_add_test(tests, arbitration_is_between_all_processes);
+    tcase_add_test(tests, what_others_have_left_takes_no_room);
     tcase_add_test(tests, what_a_killed_sender_has_sent_goes_out);
     tcase_add_test(tests, a_stopped_sender_holds_up_nobody);
     tcase_add_loop_test(tests, a_frame_whose_mover_is_killed_comes_once_or_never, 0,

@@ -327,20 +327,30 @@ static bool is_gone(const struct segment_slot *slot)
     return now != 0 && started != 0 && now != started;
 }
 
+static bool is_free(const struct segment_slot *slot)
+{
+    return atomic_load(&slot->number) == 0;
+}
+
+/* What its last owner has left on the wire takes no room from the next one. */
+static bool is_empty(const struct segment_slot *slot)
+{
+    return is_free(slot) && atomic_load(&slot->pending) == 0;
+}
+
 enum co_err segment_find_slot(struct segment *self, unsigned *ret_slot)
 {
-    unsigned slot = 0;
+    static bool (*const choices[])(const struct segment_slot *) = { is_empty, is_free, is_gone };
 
-    while (slot < SEGMENT_SLOTS && atomic_load(&self->map->slots[slot].number) != 0)
-        slot++;
-    if (slot == SEGMENT_SLOTS) {
-        for (slot = 0; slot < SEGMENT_SLOTS && !is_gone(&self->map->slots[slot]); slot++)
-            ;
+    for (unsigned i = 0; i < sizeof choices / sizeof choices[0]; i++) {
+        for (unsigned slot = 0; slot < SEGMENT_SLOTS; slot++) {
+            if (choices[i](&self->map->slots[slot])) {
+                *ret_slot = slot;
+                return CO_OK;
+            }
+        }
     }
-    if (slot == SEGMENT_SLOTS)
-        return CO_ERR_MEMORY;
-    *ret_slot = slot;
-    return CO_OK;
+    return CO_ERR_MEMORY;
 }
 
 void segment_take_slot(struct segment *self, unsigned slot, uint32_t number)

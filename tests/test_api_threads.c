@@ -280,7 +280,7 @@ START_TEST(a_bus_that_is_down)
     EVENT_T event;
 
     api_boot(plant, API_NODE(5));
-    ck_assert_int_eq(segment_open(&segment, plant->bus + strlen("virtual:"), &message), CO_OK);
+    ck_assert_int_eq(segment_open(&segment, plant->bus + strlen("virtual:"), 0, &message), CO_OK);
     while (segment_lock(&segment, SEGMENT_HOLD_LIMIT) != CO_OK)
         continue;
     ck_assert_int_eq(mcanOpenReadSDO(0, 5, 0x2010, 0, buffer, &len, NULL), MCAL_CAN_TX_ERROR);

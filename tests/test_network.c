@@ -223,7 +223,7 @@ static void hold_bus(struct segment *segment)
 {
     const struct bus_message message = { NULL, 0 };
 
-    ck_assert_int_eq(segment_open(segment, bus + strlen("virtual:"), &message), CO_OK);
+    ck_assert_int_eq(segment_open(segment, bus + strlen("virtual:"), 0, &message), CO_OK);
     while (segment_lock(segment, SEGMENT_HOLD_LIMIT) != CO_OK)
         continue;
 }

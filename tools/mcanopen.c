@@ -18,7 +18,8 @@ static const char usage[] =
     "\n"
     "'mcanopen VERB --help' tells the options of a verb.\n"
     "A bus is a SocketCAN interface (can0, vcan0) or \"virtual:NAME\", a bus of this machine\n"
-    "without hardware and without privileges.\n";
+    "without hardware and without privileges. On \"virtual:NAME?bitrate=500000\" frames take the\n"
+    "time of a real bus; all programs on it have to give the same bit rate.\n";
 
 static const struct verb {
     const char *name;

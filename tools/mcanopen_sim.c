@@ -25,6 +25,7 @@ static const char usage[] =
     "  --node ID FILE   a device with this node-ID; with NETWORK.xml it replaces that node's file\n"
     "  --without ID     leave this node of NETWORK.xml out\n"
     "  --bus BUS        where (default: the bus of the network with --net, as 'boot' has it)\n"
+    "                   virtual:NAME?bitrate=500000: frames take the time of a real bus\n"
     "  --net N          network of the file (default: the first), or N of MCANOPEN_NET_N, can<N>\n"
     "  -q, --quiet      no warnings about the files\n"
     "  -v, --verbose    tell the NMT states of the devices\n"

@@ -14,21 +14,22 @@ _Static_assert(SEGMENT_SLOTS *SEGMENT_PENDING < 0xFFFF, "an index of pending fit
 
 /* --- the pending frames --- */
 
-/* The next one from *index on, which moves behind it; NULL: there is none. */
-static const struct segment_pending *next_pending(const struct segment_map *map, unsigned *index)
+/* The first one from *index on; false: there is none. */
+static bool find_pending(const struct segment_map *map, unsigned *index)
 {
-    unsigned end = atomic_load_explicit(&map->slots_used, memory_order_relaxed) * SEGMENT_PENDING;
+    unsigned used = atomic_load_explicit(&map->slots_used, memory_order_relaxed);
+    unsigned end = (used < SEGMENT_SLOTS ? used : SEGMENT_SLOTS) * SEGMENT_PENDING;
 
-    while (*index < end && *index < SEGMENT_SLOTS * SEGMENT_PENDING) {
+    while (*index < end) {
         const struct segment_slot *slot = &map->slots[*index / SEGMENT_PENDING];
         uint32_t rest = atomic_load_explicit(&slot->pending, memory_order_relaxed) >>
                         *index % SEGMENT_PENDING;
 
         if (rest & 1u)
-            return &map->pending[(*index)++];
+            return true;
         *index += rest ? 1u : SEGMENT_PENDING - *index % SEGMENT_PENDING;
     }
-    return NULL;
+    return false;
 }
 
 static bool is_before(const struct segment_pending *a, const struct segment_pending *b)
@@ -39,21 +40,22 @@ static bool is_before(const struct segment_pending *a, const struct segment_pend
 /* When the next frame starts, or has started: the wire is free and somebody wants it. */
 static uint64_t next_start(const struct segment_map *map)
 {
-    const struct segment_pending *entry;
     uint64_t first = CO_NEVER;
 
-    for (unsigned index = 0; (entry = next_pending(map, &index));)
-        first = co_earlier(first, entry->sent);
+    for (unsigned index = 0; find_pending(map, &index); index++)
+        first = co_earlier(first, map->pending[index].sent);
     return first > map->wire.free ? first : map->wire.free;
 }
 
 /* Which one that is; NULL: nothing is pending. */
 static const struct segment_pending *find_winner(const struct segment_map *map, uint64_t *ret_end)
 {
-    const struct segment_pending *entry, *winner = NULL;
+    const struct segment_pending *winner = NULL;
     uint64_t start = next_start(map);
 
-    for (unsigned index = 0; (entry = next_pending(map, &index));) {
+    for (unsigned index = 0; find_pending(map, &index); index++) {
+        const struct segment_pending *entry = &map->pending[index];
+
         if (entry->sent <= start && (!winner || is_before(entry, winner)))
             winner = entry;
     }

@@ -64,12 +64,29 @@ START_TEST(a_full_queue_drops_new_ones_and_counts_them)
 {
     for (unsigned i = 0; i < CAPACITY + 3; i++)
         put(i);
-    ck_assert_uint_eq(event_queue_take_lost(&queue), 3);
-    ck_assert_uint_eq(event_queue_take_lost(&queue), 0);
     for (unsigned i = 0; i < CAPACITY; i++)
         ck_assert_uint_eq(take(), i);
+    ck_assert_uint_eq(event_queue_take_lost(&queue), 3);
+    ck_assert_uint_eq(event_queue_take_lost(&queue), 0);
     put(99);
     ck_assert_uint_eq(take(), 99);
+}
+END_TEST
+
+/* A reader who is never as far as the last element is told as well. */
+START_TEST(losses_are_told_at_their_place)
+{
+    for (unsigned i = 0; i < CAPACITY + 1; i++)
+        put(i);
+    for (unsigned i = 0; i < CAPACITY; i++) {
+        ck_assert_uint_eq(event_queue_take_lost(&queue), 0);
+        ck_assert_uint_eq(take(), i);
+        put(100 + i);
+        put(200 + i); /* lost, like the first one */
+    }
+    ck_assert_uint_eq(event_queue_take_lost(&queue), 1 + CAPACITY);
+    ck_assert_uint_eq(take(), 100);
+    ck_assert_uint_eq(event_queue_take_lost(&queue), 0);
 }
 END_TEST
 
@@ -99,6 +116,7 @@ START_TEST(opened_again_it_is_empty)
     ck_assert_int_eq(event_queue_take(&queue, 0, &value), CO_ERR_AGAIN);
     put(5);
     ck_assert_uint_eq(take(), 5);
+    ck_assert_uint_eq(event_queue_take_lost(&queue), 0);
 }
 END_TEST
 
@@ -168,6 +186,7 @@ int main(void)
     tcase_add_test(tests, elements_come_out_in_order);
     tcase_add_test(tests, an_empty_queue_gives_nothing);
     tcase_add_test(tests, a_full_queue_drops_new_ones_and_counts_them);
+    tcase_add_test(tests, losses_are_told_at_their_place);
     tcase_add_test(tests, closed_it_can_be_emptied_but_not_filled);
     tcase_add_test(tests, opened_again_it_is_empty);
     tcase_add_test(tests, closing_ends_all_who_wait);

@@ -16,18 +16,14 @@ static EVENT_T lost_event(unsigned lost)
 
 static int take(struct event_queue *queue, co_us_t deadline, EVENT_T *event)
 {
-    enum co_err err = event_queue_take(queue, 0, event);
-    unsigned lost;
+    unsigned lost = event_queue_take_lost(queue);
+    enum co_err err;
 
-    if (err == CO_ERR_AGAIN) { /* all that did fit has been taken: now the gap is here */
-        lost = event_queue_take_lost(queue);
-        if (lost > 0) {
-            *event = lost_event(lost);
-            return MCANOPEN_OK;
-        }
-        if (deadline > 0)
-            err = event_queue_take(queue, deadline, event);
+    if (lost > 0) {
+        *event = lost_event(lost);
+        return MCANOPEN_OK;
     }
+    err = event_queue_take(queue, deadline, event);
     if (err == CO_ERR_STATE)
         return MCAL_NO_NET;
     return err == CO_OK ? MCANOPEN_OK : MCAL_NO_EVENT;

@@ -40,8 +40,11 @@ static unsigned char *element_at(struct event_queue *self, unsigned position)
 void event_queue_put(struct event_queue *self, const void *element)
 {
     lock_take(&self->lock);
-    if (self->closed || self->count == self->capacity) {
-        self->lost += !self->closed;
+    if (self->closed) {
+        /* nobody misses it */
+    } else if (self->count == self->capacity) {
+        if (self->lost++ == 0)
+            self->before = self->count;
     } else {
         memcpy(element_at(self, self->first + self->count++), element, self->element_size);
         condition_signal(&self->changed);
@@ -60,6 +63,7 @@ enum co_err event_queue_take(struct event_queue *self, co_us_t deadline, void *r
         memcpy(ret_element, element_at(self, self->first), self->element_size);
         self->first = (self->first + 1) % self->capacity;
         self->count--;
+        self->before -= self->before > 0;
         err = CO_OK;
     } else {
         err = self->closed ? CO_ERR_STATE : CO_ERR_AGAIN;
@@ -70,11 +74,13 @@ enum co_err event_queue_take(struct event_queue *self, co_us_t deadline, void *r
 
 unsigned event_queue_take_lost(struct event_queue *self)
 {
-    unsigned lost;
+    unsigned lost = 0;
 
     lock_take(&self->lock);
-    lost = self->lost;
-    self->lost = 0;
+    if (self->before == 0) {
+        lost = self->lost;
+        self->lost = 0;
+    }
     lock_give(&self->lock);
     return lost;
 }
@@ -93,6 +99,7 @@ void event_queue_open(struct event_queue *self)
     self->first = 0;
     self->count = 0;
     self->lost = 0;
+    self->before = 0;
     self->closed = false;
     lock_give(&self->lock);
 }

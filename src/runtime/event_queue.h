@@ -18,8 +18,9 @@ struct event_queue {
     unsigned char *elements;
     size_t element_size;
     unsigned capacity, first, count;
-    unsigned lost; /* since event_queue_take_lost() */
-    bool closed;   /* who waits returns, nothing is put any more */
+    unsigned lost;   /* since event_queue_take_lost() */
+    unsigned before; /* elements still in the queue that came before the first of the lost */
+    bool closed;     /* who waits returns, nothing is put any more */
 };
 
 /* CO_ERR_MEMORY */
@@ -29,7 +30,10 @@ void event_queue_done(struct event_queue *self);
 void event_queue_put(struct event_queue *self, const void *element);
 /* CO_ERR_AGAIN: none there until the deadline; CO_ERR_STATE: closed and empty. */
 enum co_err event_queue_take(struct event_queue *self, co_us_t deadline, void *ret_element);
-/* How many were lost since the last call. */
+/*
+ * How many were lost since the last call, at the place where the first of them is missing: 0 while
+ * elements from before it are still to be taken.
+ */
 unsigned event_queue_take_lost(struct event_queue *self);
 /* Nobody waits any more; what is in the queue can still be taken. */
 void event_queue_close(struct event_queue *self);

@@ -52,7 +52,7 @@ extern "C" {
 #define MCAL_OBJ_NO_MEMORY     (-10) /* no memory, thread or other resource of the system */
 #define MCAL_NODE_NOT_EXISTEND (-11) /* the node is not in the configuration of this net */
 #define MCAL_NO_EVENT          (-12) /* no event is waiting */
-#define MCAL_UNSUPPORTED       (-13) /* a call that waits was made from a callback */
+#define MCAL_UNSUPPORTED       (-13) /* a call that waits, from a callback; TYP_BLOCK */
 #define MCAL_NODE_NOT_FREE     (-22) /* not now, the state of manager or node forbids it */
 /* SDO transfers */
 #define MCAL_WRONG_SERVER_ANSWER (-14) /* the node's answer breaks the SDO protocol */
@@ -271,7 +271,7 @@ MCANOPEN_API int mcanOpenGetVersion(unsigned short *version);
  * Takes the oldest event, of any network. With wait 0 it returns at once; with wait 1 it waits for
  * an event. Several threads may wait, each event goes to one of them. The queue is bounded: where
  * the application does not fetch events in time, new ones are dropped and counted, and
- * MCANOPEN_MSG_EVENTS_LOST follows when there is room.
+ * MCANOPEN_MSG_EVENTS_LOST comes in their place.
  *
  *   MCAL_NO_EVENT     nothing there (wait 0)
  *   MCAL_NO_NET       nothing is configured, or the manager was shut down while waiting
@@ -320,12 +320,12 @@ MCANOPEN_API int mcanOpenReadSDO(unsigned short net, unsigned short modID, int i
  * type is TYP_...: where it has a size of its own and len is 0, that many bytes are written, else
  * len bytes (1 and up). Up to 4 bytes go expedited, more in segments. TYP_INDICATE_SIZE and
  * TYP_INDICATE_NO_SIZE tell whether the first frame carries the size; without them it does when
- * expedited and does not in segments. TYP_BLOCK (ours) or the element SDO_Block_Size asks for a
- * block transfer; a node that refuses it gets segments. A transfer is never repeated once data was
- * sent.
+ * expedited and does not in segments. TYP_BLOCK (ours), for a block transfer, is not supported yet.
+ * A transfer is never repeated once data was sent.
  *
  *   MCAL_PARA_ERROR  also: unknown type or flags, both size flags, len < 0, len 0 for a type
  *                    without a size
+ *   MCAL_UNSUPPORTED  also: TYP_BLOCK
  */
 MCANOPEN_API int mcanOpenWriteSDO(unsigned short net, unsigned short modID, int index, int subindex,
                                   int type, const void *buffer, int len, ERROR_T *error);

@@ -296,7 +296,7 @@ START_TEST(a_bus_that_is_down)
     ck_assert_int_eq(event.para.i, MCANOPEN_BUS_ACTIVE);
     api_wait_event(API_NETWORK_UP, -1); /* all is begun anew */
     ck_assert_int_eq(mcanOpenReadSDO(0, 5, 0x2010, 0, buffer, &len, NULL), MCANOPEN_OK);
-    api_wait_log(plant, "1 bus is down");
+    api_wait_log(plant, "1 bus is down: virtual bus ");
     api_wait_log(plant, "frames given up");
 }
 END_TEST

@@ -3,6 +3,7 @@
  */
 #include "verbs.h"
 
+#include "api/control.h"
 #include "api/file.h"
 #include "api/load.h"
 #include "mcanopen.h"
@@ -166,8 +167,10 @@ static void free_devices(struct sim *self)
 static void on_event(void *context, struct network *network, const struct co_event *event)
 {
     const struct sim *self = context;
+    char text[CO_REPORT_TEXT_SIZE];
 
-    (void)network;
+    if (control_bus_text(network, event, text, sizeof text))
+        fprintf(stderr, "%s: warning: %s\n", network_name(network), text);
     if (!self->verbose || event->type != SLAVE_STATE)
         return;
     printf("node %u: %s\n", event->node, nmt_state_text(event->detail));

@@ -45,13 +45,21 @@ void control_on_event(void *context, struct network *network, const struct co_ev
         event_queue_put(&managed->registry->logs, &line);
 }
 
-static bool runtime_text(const struct co_event *event, enum co_severity *ret_severity, char *text,
-                         size_t size)
+static void bus_state_text(const struct network *network, uint8_t state, char *text, size_t size)
 {
     static const char *const states[] = { "error active", "error warning", "error passive",
                                           "bus-off", "down" };
+    char reason[CO_REPORT_TEXT_SIZE] = "";
 
-    *ret_severity = CO_WARNING;
+    if (state >= BUS_OFF)
+        network_explain(network, reason, sizeof reason);
+    snprintf(text, size, "bus is %s%s%s", state <= BUS_DOWN ? states[state] : "?",
+             reason[0] ? ": " : "", reason);
+}
+
+bool control_bus_text(const struct network *network, const struct co_event *event, char *text,
+                      size_t size)
+{
     switch (event->type) {
     case RUNTIME_FRAMES_LOST:
         snprintf(text, size, "%u received frames lost: this computer is too slow for the bus",
@@ -63,9 +71,7 @@ static bool runtime_text(const struct co_event *event, enum co_severity *ret_sev
                  "cable, wrong bit rate?)",
                  (unsigned)event->actual);
         return true;
-    case RUNTIME_BUS_STATE:
-        snprintf(text, size, "bus is %s", event->detail <= BUS_DOWN ? states[event->detail] : "?");
-        return true;
+    case RUNTIME_BUS_STATE: bus_state_text(network, event->detail, text, size); return true;
     default: return false;
     }
 }
@@ -74,9 +80,9 @@ static void log_line(const struct log_event *line)
 {
     const struct managed *managed = line->managed;
     char text[BOOT_TEXT_SIZE], full[BOOT_TEXT_SIZE + 64];
-    enum co_severity severity;
+    enum co_severity severity = CO_WARNING;
 
-    if (!runtime_text(&line->event, &severity, text, sizeof text) &&
+    if (!control_bus_text(managed->network, &line->event, text, sizeof text) &&
         !boot_text_event(managed->config, &line->event, &severity, text, sizeof text))
         return;
     snprintf(full, sizeof full, "%s%s%s",

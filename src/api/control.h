@@ -19,6 +19,10 @@ void control_done(struct registry *registry);
 /* A network_sink_fn; context: struct managed. */
 void control_on_event(void *context, struct network *network, const struct co_event *event);
 
+/* What happens to the bus, as a line; false for other events. */
+bool control_bus_text(const struct network *network, const struct co_event *event, char *text,
+                      size_t size);
+
 /* The daemon, until its queue is closed; context: struct registry. */
 void *control_run(void *context);
 

@@ -85,6 +85,7 @@ enum bus_state bus_get_state(struct bus *self);
 unsigned bus_outages(const struct bus *self);
 /*
  * One line of text about the state: what is wrong and what mends it; for a bus in order, so much.
+ * For any thread.
  */
 void bus_explain(struct bus *self, char *message, size_t message_size);
 const char *bus_name(const struct bus *self);

@@ -411,6 +411,11 @@ const char *network_name(const struct network *self)
     return bus_name(self->bus);
 }
 
+void network_explain(const struct network *self, char *text, size_t size)
+{
+    bus_explain(self->bus, text, size);
+}
+
 bool network_is_own_thread(const struct network *self)
 {
     return thread_is_self(&self->thread);

@@ -60,6 +60,8 @@ enum co_err network_start(struct network *self);
 enum co_err network_set_priority(struct network *self, int native);
 
 const char *network_name(const struct network *self);
+/* bus_explain(); from any thread, also from the sink. */
+void network_explain(const struct network *self, char *text, size_t size);
 bool network_is_own_thread(const struct network *self);
 
 /* Takes the lock; the devices' outbox, and the time. */

@@ -3,7 +3,7 @@
  */
 #include "verbs.h"
 
-#include "api/file.h"
+#include "api/load.h"
 #include "api/registry.h"
 #include "mcanopen.h"
 #include "port/clock.h"
@@ -169,6 +169,8 @@ static const char *result_name(const BOOT_RECORD_T *record)
 {
     if (record->booted)
         return "booted";
+    if (record->step == MCANOPEN_STEP_IDLE)
+        return record->text;
     return record->step == MCANOPEN_STEP_FAILED ? "FAILED" : "MISSING";
 }
 
@@ -186,7 +188,7 @@ static void print_table(const struct table *table)
         printf("%4d  %-*s  %-9s  %-15s  %s", table->rows[i].node, (int)width, record->name,
                record->mandatory ? "mandatory" : "optional", state_name(record),
                result_name(record));
-        if (!record->booted)
+        if (!record->booted && record->step != MCANOPEN_STEP_IDLE)
             printf(": %s", record->text);
         printf("\n");
     }
@@ -195,41 +197,42 @@ static void print_table(const struct table *table)
 
 /* --- running --- */
 
-/* Default time for coming up: the longest of all networks. */
-static co_us_t default_timeout(const struct network_config *networks, size_t count)
+static co_us_t time_to_come_up(const struct network_config *config)
+{
+    co_us_t boot_time = config->boot_time ? CO_MS(config->boot_time) + CO_MS(5000) : CO_MS(30000);
+
+    return CO_MS(config->boot_delay) + boot_time;
+}
+
+/* The configured networks, and how long they may take where no time was given. */
+static void find_nets(struct boot *self)
 {
     co_us_t longest = 0;
 
-    for (size_t i = 0; i < count; i++) {
-        co_us_t own = networks[i].boot_time ? CO_MS(networks[i].boot_time) + CO_MS(5000)
-                                            : CO_MS(30000);
+    for (int net = 0; net <= UINT8_MAX && self->net_count < NETS_MAX; net++) {
+        struct managed *managed;
 
-        own += CO_MS(networks[i].boot_delay);
-        if (own > longest)
-            longest = own;
+        if (registry_enter(net, false, &managed) != MCANOPEN_OK)
+            continue;
+        self->nets[self->net_count++] = net;
+        if (time_to_come_up(managed->config) > longest)
+            longest = time_to_come_up(managed->config);
+        registry_leave();
     }
-    return longest;
+    if (self->timeout == 0)
+        self->timeout = longest;
 }
 
-/* What the program itself needs from the file; the library has read and checked it before. */
-static bool read_nets(struct boot *self)
+/* With good files it was the bus that could not be opened. */
+static int exit_code_of_files(const char *path)
 {
-    struct co_report report = { .file = self->path };
+    struct co_report silent = { .sink = NULL };
     struct network_config *networks = NULL;
-    size_t count = 0, size;
-    char *text = NULL;
+    size_t count = 0;
+    int result = load_networks(path, &silent, &networks, &count);
 
-    if (file_read(self->path, &text, &size) != CO_OK)
-        return false;
-    if (network_config_parse(text, size, &report, &networks, &count) == CO_OK) {
-        for (size_t i = 0; i < count && i < NETS_MAX; i++)
-            self->nets[self->net_count++] = networks[i].net;
-        if (self->timeout == 0)
-            self->timeout = default_timeout(networks, count);
-    }
     network_config_free(networks, count);
-    free(text);
-    return self->net_count > 0;
+    return result == MCANOPEN_OK ? EXIT_BUS : EXIT_USAGE;
 }
 
 static int poll_timeout(const struct boot *self)
@@ -307,13 +310,12 @@ static int boot(struct boot *self)
         return EXIT_USAGE;
     }
     mcanOpenSetLog(print_line, self);
-    result = mcanOpenConfig(self->path);
-    if (!read_nets(self))
-        result = EXIT_USAGE;
-    else if (result != MCANOPEN_OK)
-        result = result == MCAL_SYS_ERROR ? EXIT_BUS : EXIT_USAGE; /* the file is readable */
-    else
+    if (mcanOpenConfig(self->path) == MCANOPEN_OK) {
+        find_nets(self);
         result = run(self);
+    } else {
+        result = exit_code_of_files(self->path);
+    }
     mcanOpenCleanup();
     close(self->changed);
     close(self->signals);

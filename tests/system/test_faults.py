@@ -83,6 +83,21 @@ class Absent(FaultTest):
         self.assert_said(boot, r"^not up within 1\.5 s$")
         self.assertIn("MISSING", self.row(boot, 5))
 
+    def test_left_out(self):
+        """a node with NMT_Slave FALSE is nobody's concern, with --all as well"""
+        self.start_sim("--node", 6, self.six)
+        xml = self.network(node(5, NMT_Slave="FALSE"), node(6, **PATIENT))
+        boot = self.boot("--once", "--all", xml)
+        self.assertRegex(self.row(boot, 5), r"offline +not booted by this master$")
+
+    def test_pipe(self):
+        """a network's file that can be read but once"""
+        xml = self.network(node(5, NMT_Mandatory_Slave="TRUE", **IMPATIENT), Boot_Time=100)
+        boot = self.run_command(
+            ["sh", "-c", f"cat '{xml}' | '{plant.MCANOPEN}' boot --once /dev/stdin"])
+        self.assertEqual(boot.code, NOT_UP, boot.story())
+        self.assertIn("MISSING", self.row(boot, 5))
+
     def test_timeout(self):
         """--timeout alone, mandatory node absent without Boot_Time"""
         xml = self.network(node(5, NMT_Mandatory_Slave="TRUE", **IMPATIENT))

@@ -49,12 +49,28 @@ static void bus_state_text(const struct network *network, uint8_t state, char *t
 {
     static const char *const states[] = { "error active", "error warning", "error passive",
                                           "bus-off", "down" };
-    char reason[CO_REPORT_TEXT_SIZE] = "";
+    char why[CO_REPORT_TEXT_SIZE];
 
-    if (state >= BUS_OFF)
-        network_explain(network, reason, sizeof reason);
-    snprintf(text, size, "bus is %s%s%s", state <= BUS_DOWN ? states[state] : "?",
-             reason[0] ? ": " : "", reason);
+    network_explain(network, why, sizeof why);
+    snprintf(text, size, "bus is %s: %s", state <= BUS_DOWN ? states[state] : "?", why);
+}
+
+static void unsent_text(const struct network *network, const struct co_event *event, char *text,
+                        size_t size)
+{
+    char why[CO_REPORT_TEXT_SIZE];
+
+    network_explain(network, why, sizeof why);
+    snprintf(text, size, "%u frames given up: the bus did not take them: %s",
+             (unsigned)event->actual, why);
+}
+
+static void busy_text(const struct network *network, char *text, size_t size)
+{
+    char why[CO_REPORT_TEXT_SIZE];
+
+    network_explain(network, why, sizeof why);
+    snprintf(text, size, "frames have to wait for the bus: %s", why);
 }
 
 bool control_bus_text(const struct network *network, const struct co_event *event, char *text,
@@ -65,12 +81,8 @@ bool control_bus_text(const struct network *network, const struct co_event *even
         snprintf(text, size, "%u received frames lost: this computer is too slow for the bus",
                  (unsigned)event->actual);
         return true;
-    case RUNTIME_UNSENT:
-        snprintf(text, size,
-                 "%u frames given up: the bus did not take them (no other node, no "
-                 "cable, wrong bit rate?)",
-                 (unsigned)event->actual);
-        return true;
+    case RUNTIME_UNSENT: unsent_text(network, event, text, size); return true;
+    case RUNTIME_BUSY: busy_text(network, text, size); return true;
     case RUNTIME_BUS_STATE: bus_state_text(network, event->detail, text, size); return true;
     default: return false;
     }
@@ -79,7 +91,7 @@ bool control_bus_text(const struct network *network, const struct co_event *even
 static void log_line(const struct log_event *line)
 {
     const struct managed *managed = line->managed;
-    char text[BOOT_TEXT_SIZE], full[BOOT_TEXT_SIZE + 64];
+    char text[CO_REPORT_TEXT_SIZE], full[CO_REPORT_TEXT_SIZE + 64];
     enum co_severity severity = CO_WARNING;
 
     if (!control_bus_text(managed->network, &line->event, text, sizeof text) &&

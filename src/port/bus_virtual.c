@@ -17,6 +17,7 @@
  * wake up with the next frame, or when they look for themselves after this time.
  */
 #define SLEEP_LIMIT CO_MS(1000)
+#define HELD_LOOK   CO_MS(100) /* nobody tells when a stopped holder goes on */
 
 /* For one who only listens; later he looks that often, as nobody tells when the holder goes on. */
 #define HELD_LIMIT CO_MS(20)
@@ -234,27 +235,6 @@ static enum co_err sleep_until(struct bus_virtual *self, co_us_t deadline, bool 
     return err;
 }
 
-static enum co_err virtual_wait(struct bus *bus, co_us_t deadline)
-{
-    struct bus_virtual *self = to_virtual(bus);
-    bool woken = false;
-
-    while (!has_frame(self)) {
-        enum co_err err = sleep_until(self, co_earlier(deadline, clock_now() + SLEEP_LIMIT),
-                                      &woken);
-
-        if (woken)
-            return CO_OK;
-        if (err && err != CO_ERR_TIMEOUT)
-            return err;
-        if (err) /* also for what a sender was killed with before it could tell when to look */
-            move_frames_on(self);
-        if (clock_now() >= deadline)
-            return has_frame(self) ? CO_OK : CO_ERR_TIMEOUT;
-    }
-    return CO_OK;
-}
-
 static void virtual_wake(struct bus *bus)
 {
     const uint64_t one = 1;
@@ -293,6 +273,35 @@ static enum bus_state virtual_get_state(struct bus *bus)
         return BUS_DOWN;
     segment_unlock(&self->segment);
     return BUS_ACTIVE;
+}
+
+/* True if the bus that was held by somebody is free. */
+static bool is_free_again(struct bus_virtual *self)
+{
+    return atomic_load(&self->held) && virtual_get_state(&self->bus) == BUS_ACTIVE;
+}
+
+static enum co_err virtual_wait(struct bus *bus, co_us_t deadline)
+{
+    struct bus_virtual *self = to_virtual(bus);
+    bool woken = false;
+
+    while (!has_frame(self)) {
+        co_us_t limit = atomic_load(&self->held) ? HELD_LOOK : SLEEP_LIMIT;
+        enum co_err err = sleep_until(self, co_earlier(deadline, clock_now() + limit), &woken);
+
+        if (woken)
+            return CO_OK;
+        if (err && err != CO_ERR_TIMEOUT)
+            return err;
+        if (err) /* also for what a sender was killed with before it could tell when to look */
+            move_frames_on(self);
+        if (is_free_again(self))
+            return CO_OK;
+        if (clock_now() >= deadline)
+            return has_frame(self) ? CO_OK : CO_ERR_TIMEOUT;
+    }
+    return CO_OK;
 }
 
 static enum co_err explain_hold(const struct segment *segment, const struct bus_message *message)

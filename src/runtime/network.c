@@ -10,7 +10,8 @@
 #define OUT_EVENTS 512u
 #define RX_BURST   64u        /* frames handled before the lock is given once */
 #define TX_RETRY   CO_MS(1)   /* the bus had no room */
-#define BUS_RETRY  CO_MS(100) /* it is down, or off: nothing may wake us when it comes back */
+#define BUS_RETRY  CO_MS(100) /* it is down, or off, or refuses */
+#define TELL_PAUSE CO_MS(1000)
 
 /* What a manager and a slave have in common: the machine's form. */
 struct device {
@@ -33,8 +34,11 @@ struct network {
     struct co_event out_events[OUT_EVENTS];
     struct tx_queue tx;
     co_us_t tx_retry; /* CO_NEVER: nothing waits */
+    co_us_t tx_tell;  /* when losses may be told again */
+    bool busy_told;
     bool send_fails, receive_fails;
     enum bus_state bus_state; /* as told */
+    unsigned outages;         /* of the bus, as last seen */
     bool has_events;          /* since the last signal of changed */
     co_us_t last_frame;       /* time of the frame delivered last */
 };
@@ -80,6 +84,26 @@ static void tell(struct network *self, struct co_event event)
         self->options.sink(self->options.context, self, &event);
 }
 
+/* False: the bus does not keep up, or refuses. */
+static bool send_frame(struct network *self, const struct co_frame *frame)
+{
+    enum co_err err = bus_send(self->bus, frame);
+
+    self->send_fails = err != CO_OK && err != CO_ERR_AGAIN;
+    if (err == CO_ERR_AGAIN && !self->busy_told) {
+        self->busy_told = true;
+        tell(self, (struct co_event){ .type = RUNTIME_BUSY });
+    }
+    return err == CO_OK;
+}
+
+/* Frames wait only while the bus does not keep up; then the most urgent one is first. */
+static void put_frame(struct network *self, const struct co_frame *frame, co_us_t now)
+{
+    if (tx_queue_first(&self->tx) != NULL || !send_frame(self, frame))
+        tx_queue_put(&self->tx, frame, now);
+}
+
 /* Takes what a device has put out; a full queue costs frames, with a count, never time. */
 static void drain(struct network *self, uint8_t node, co_us_t now)
 {
@@ -88,7 +112,7 @@ static void drain(struct network *self, uint8_t node, co_us_t now)
 
     while (co_outbox_take_frame(&self->out, &frame)) {
         frame.tag = node;
-        tx_queue_put(&self->tx, &frame, now);
+        put_frame(self, &frame, now);
     }
     while (co_outbox_take_event(&self->out, &event))
         tell(self, event);
@@ -99,12 +123,14 @@ static bool is_lost(enum bus_state state)
     return state == BUS_OFF || state == BUS_DOWN;
 }
 
-static void tell_lost(struct network *self)
+static void tell_lost(struct network *self, co_us_t now)
 {
-    unsigned lost = tx_queue_take_lost(&self->tx);
-
-    if (lost > 0)
-        tell(self, (struct co_event){ .type = RUNTIME_UNSENT, .actual = lost });
+    if (self->tx.lost == 0 || now < self->tx_tell)
+        return;
+    self->tx_tell = now + TELL_PAUSE;
+    tell(self, (struct co_event){ .type = RUNTIME_UNSENT,
+                                  .detail = (uint8_t)self->bus_state,
+                                  .actual = tx_queue_take_lost(&self->tx) });
 }
 
 /* The managers end what they are doing: what they wanted to send must not come later. */
@@ -120,31 +146,30 @@ static void tell_managers(struct network *self, bool up, co_us_t now)
     }
 }
 
-/* True if what was put out is to be sent: the bus is back. */
-static bool look_at_bus(struct network *self, co_us_t now)
+static void change_state(struct network *self, enum bus_state state, co_us_t now)
 {
-    enum bus_state before = self->bus_state, state = bus_get_state(self->bus);
+    enum bus_state before = self->bus_state;
 
-    if ((self->send_fails || self->receive_fails) && state < BUS_OFF)
-        state = BUS_DOWN;
     if (state == before)
-        return false;
+        return;
     self->bus_state = state;
     tell(self, (struct co_event){ .type = RUNTIME_BUS_STATE, .detail = (uint8_t)state });
     if (is_lost(before) != is_lost(state))
         tell_managers(self, !is_lost(state), now);
-    return is_lost(before) && !is_lost(state);
 }
 
-/* True while the bus keeps up. */
-static bool send_frame(struct network *self, const struct co_frame *frame)
+/* A connection that was lost and is back before anybody has looked was lost all the same. */
+static void look_at_bus(struct network *self, co_us_t now)
 {
-    enum co_err err = bus_send(self->bus, frame);
+    enum bus_state state = bus_get_state(self->bus);
+    unsigned outages = bus_outages(self->bus);
 
-    self->send_fails = err != CO_OK && err != CO_ERR_AGAIN;
-    if (err == CO_OK)
-        tx_queue_sent(&self->tx);
-    return err == CO_OK;
+    if ((self->send_fails || self->receive_fails) && !is_lost(state))
+        state = BUS_DOWN;
+    if (outages != self->outages && !is_lost(state) && !is_lost(self->bus_state))
+        change_state(self, BUS_DOWN, now);
+    self->outages = outages;
+    change_state(self, state, now);
 }
 
 static void send_frames(struct network *self, co_us_t now)
@@ -153,8 +178,10 @@ static void send_frames(struct network *self, co_us_t now)
 
     self->tx_retry = CO_NEVER;
     while ((frame = tx_queue_first(&self->tx)) != NULL) {
-        if (!send_frame(self, frame) && !tx_queue_give_up(&self->tx, now)) {
-            self->tx_retry = now + TX_RETRY;
+        if (send_frame(self, frame)) {
+            tx_queue_sent(&self->tx);
+        } else if (!tx_queue_give_up(&self->tx, now)) {
+            self->tx_retry = now + (self->send_fails ? BUS_RETRY : TX_RETRY);
             return;
         }
     }
@@ -164,9 +191,8 @@ static void send_frames(struct network *self, co_us_t now)
 static void flush_tx(struct network *self, co_us_t now)
 {
     send_frames(self, now);
-    if (look_at_bus(self, now))
-        send_frames(self, now);
-    tell_lost(self);
+    look_at_bus(self, now);
+    tell_lost(self, now);
 }
 
 /* --- the protocol thread --- */
@@ -218,9 +244,9 @@ static void run_due(struct network *self, co_us_t now)
     }
 }
 
-static co_us_t next_deadline(const struct network *self, co_us_t now)
+static co_us_t next_deadline(const struct network *self)
 {
-    co_us_t next = is_lost(self->bus_state) ? now + BUS_RETRY : CO_NEVER;
+    co_us_t next = self->tx.lost > 0 ? self->tx_tell : CO_NEVER;
 
     for (unsigned i = 0; i < self->device_count; i++)
         next = co_earlier(next, device_deadline(&self->devices[i]));
@@ -266,7 +292,7 @@ static void *run(void *context)
         now = more ? self->last_frame : clock_now();
         run_due(self, now);
         flush_tx(self, now);
-        deadline = next_deadline(self, now);
+        deadline = next_deadline(self);
         signal_changes(self);
         closing = self->closing;
         lock_give(&self->lock);

@@ -22,7 +22,8 @@
 enum runtime_event {
     RUNTIME_FRAMES_LOST = 300, /* actual: received frames lost because we were too slow */
     RUNTIME_UNSENT,            /* actual: frames given up because the bus did not take them */
-    RUNTIME_BUS_STATE          /* detail: enum bus_state */
+    RUNTIME_BUS_STATE,         /* detail: enum bus_state */
+    RUNTIME_BUSY               /* frames have to wait for the bus; told once */
 };
 
 struct network;

@@ -1,43 +1,78 @@
 #include "runtime/tx_queue.h"
 
 #include <stddef.h>
+#include <string.h>
 
 bool tx_queue_is_full(const struct tx_queue *self)
 {
     return self->count == TX_QUEUE_SIZE;
 }
 
+/* An 11-bit identifier wins against the 29-bit ones that begin with it. */
+static uint32_t rank_of(const struct co_frame *frame)
+{
+    if (frame->flags & CO_FRAME_EXT)
+        return frame->id >> 18 << 19 | 1u << 18 | (frame->id & 0x3FFFFu);
+    return frame->id << 19;
+}
+
+/* Where a frame of this rank has its place: behind those of the same. */
+static unsigned place_of(const struct tx_queue *self, uint32_t rank)
+{
+    unsigned low = 0, high = self->count;
+
+    while (low < high) {
+        unsigned middle = (low + high) / 2;
+
+        if (self->items[middle].rank > rank)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
 void tx_queue_put(struct tx_queue *self, const struct co_frame *frame, co_us_t now)
 {
-    unsigned last = (self->first + self->count) % TX_QUEUE_SIZE;
+    const struct tx_queue_item item = { .rank = rank_of(frame), .frame = *frame, .since = now };
+    unsigned place = place_of(self, item.rank);
 
     if (tx_queue_is_full(self)) {
         self->lost++;
-        return;
+        if (place == 0)
+            return;
+        place--;
+        memmove(&self->items[0], &self->items[1], place * sizeof item);
+    } else {
+        memmove(&self->items[place + 1], &self->items[place], (self->count - place) * sizeof item);
+        self->count++;
     }
-    self->items[last].frame = *frame;
-    self->items[last].since = now;
-    self->count++;
+    self->items[place] = item;
 }
 
 const struct co_frame *tx_queue_first(const struct tx_queue *self)
 {
-    return self->count > 0 ? &self->items[self->first].frame : NULL;
+    return self->count > 0 ? &self->items[self->count - 1].frame : NULL;
 }
 
 void tx_queue_sent(struct tx_queue *self)
 {
-    self->first = (self->first + 1) % TX_QUEUE_SIZE;
     self->count--;
 }
 
 bool tx_queue_give_up(struct tx_queue *self, co_us_t now)
 {
-    if (now < self->items[self->first].since + TX_QUEUE_GIVE_UP)
-        return false;
-    tx_queue_sent(self);
-    self->lost++;
-    return true;
+    unsigned kept = 0;
+    bool first_is_over = self->count > 0 &&
+                         now >= self->items[self->count - 1].since + TX_QUEUE_GIVE_UP;
+
+    for (unsigned i = 0; i < self->count; i++) {
+        if (now < self->items[i].since + TX_QUEUE_GIVE_UP)
+            self->items[kept++] = self->items[i];
+    }
+    self->lost += self->count - kept;
+    self->count = kept;
+    return first_is_over;
 }
 
 void tx_queue_lose_all(struct tx_queue *self)

@@ -1,5 +1,5 @@
 /*
- * Frames on their way to a bus that does not keep up: in the order in which the bus would take them,
+ * Frames on their way to a bus that does not keep up: in the order in which the bus takes them,
  * the lowest identifier first and those of one identifier as they came; bounded in number, each
  * given up when it has waited too long. What an application ordered seconds ago must not come about
  * later.

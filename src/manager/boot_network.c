@@ -397,6 +397,8 @@ void boot_network_resume(struct manager *self, co_us_t now)
     }
     slave_command(&self->device, first_command(self), now, &self->inner);
     boot_network_start(self, now);
+    FOR_EACH_NODE(self, node)
+        node->absent = true; /* one that is back a moment after us has missed the reset */
 }
 
 void boot_network_on_time(struct manager *self, co_us_t now)

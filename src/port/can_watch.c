@@ -6,6 +6,7 @@
 #include <linux/can/error.h>
 #include <linux/netlink.h>
 #include <linux/rtnetlink.h>
+#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -230,24 +231,33 @@ static enum co_err say_off(const struct can_watch *self, const struct bus_messag
                     name, name, name, name);
 }
 
+/* ", 500000 bit/s", where it has one. */
+static const char *bitrate_text(const struct can_watch *self, char text[32])
+{
+    text[0] = '\0';
+    if (self->link.bitrate != 0)
+        snprintf(text, 32, ", %u bit/s", self->link.bitrate);
+    return text;
+}
+
 static enum co_err say_up(const struct can_watch *self, const struct bus_message *message)
 {
     static const char *const states[] = { "error active", "error warning", "error passive" };
-    const char *name = self->name;
+    const char *name = self->name, *state = states[self->link.controller];
     const char *hint = self->unacknowledged
                            ? ": nobody acknowledges; is another node there, at this bit rate?"
                            : "";
+    char rate[32];
 
     if (!self->link.is_controller && self->link.controller == BUS_ACTIVE)
         return bus_fail(message, CO_OK, "%s is up", name);
     if (self->link.queue_length >= SHORT_QUEUE || !self->link.is_controller)
-        return bus_fail(message, CO_OK, "%s is up, %u bit/s, %s%s", name, self->link.bitrate,
-                        states[self->link.controller], hint);
+        return bus_fail(message, CO_OK, "%s is up%s, %s%s", name, bitrate_text(self, rate), state,
+                        hint);
     return bus_fail(message, CO_OK,
-                    "%s is up, %u bit/s, %s%s; its queue has room for %u frames, better run: "
+                    "%s is up%s, %s%s; its queue has room for %u frames, better run: "
                     "ip link set %s txqueuelen 1000",
-                    name, self->link.bitrate, states[self->link.controller], hint,
-                    self->link.queue_length, name);
+                    name, bitrate_text(self, rate), state, hint, self->link.queue_length, name);
 }
 
 static enum co_err say_no_can(const struct can_watch *self, const struct bus_message *message)

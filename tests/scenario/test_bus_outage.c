@@ -101,6 +101,26 @@ START_TEST(test_outage_in_mid_boot)
 }
 END_TEST
 
+/* Behind the same switch: a node is back a moment later and has heard no reset. */
+START_TEST(test_a_node_is_back_later)
+{
+    struct plant *plant = run_plant(networks[_i]);
+
+    connect(plant, false);
+    plant->devices[5]->sim->unplugged = true;
+    plant_run_ms(plant, 2000);
+    connect(plant, true);
+    plant_run_ms(plant, 100);
+    plant->devices[5]->sim->unplugged = false;
+    plant_run_ms(plant, 2000);
+    watch_expect_up(plant, "is not up again");
+    ck_assert_uint_eq(plant_sent(plant, "705#00"), 1);
+    ck_assert_uint_eq(plant_sent(plant, "706#00"), 1);
+    ck_assert_uint_eq(plant_sent(plant, "000#8205"), 1);
+    plant_free(plant);
+}
+END_TEST
+
 START_TEST(test_requests_end)
 {
     struct plant *plant = run_plant(networks[0]);
@@ -198,6 +218,7 @@ int main(void)
     tcase_set_timeout(tests, 60);
     tcase_add_loop_test(tests, test_outage, 0, LENGTH(networks));
     tcase_add_loop_test(tests, test_outage_in_mid_boot, 0, 24);
+    tcase_add_loop_test(tests, test_a_node_is_back_later, 0, LENGTH(networks));
     tcase_add_test(tests, test_requests_end);
     tcase_add_test(tests, test_stopped_stays_stopped);
     tcase_add_test(tests, test_not_the_master);

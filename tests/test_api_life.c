@@ -1,5 +1,6 @@
 /* Initialize, Config, Start, ShutDown, Cleanup: the order of calls, and what each leaves behind. */
 #include "support/api_plant.h"
+#include "support/api_wire.h"
 #include "support/suite.h"
 
 #include <stdio.h>
@@ -198,15 +199,18 @@ END_TEST
 
 START_TEST(shut_down_and_cleanup_send_no_nmt_command)
 {
-    co_us_t now;
+    struct api_wire *wire = api_wire_open(plant->bus);
 
     api_add_device(plant, 5);
     api_devices_start(plant);
     api_boot(plant, API_NODE(5));
     ck_assert_int_eq(mcanOpenCleanup(), MCANOPEN_OK);
-    network_enter(plant->network, &now);
-    ck_assert_uint_eq(plant->devices[5].slave.state, NMT_OPERATIONAL);
-    network_leave(plant->network, 5);
+    api_wire_say(wire, "605#4001100000000000");
+    api_wire_wait(wire, "585#4F011000", 1); /* all that was sent before is there */
+    ck_assert_uint_eq(api_wire_count(wire, "000#"), 2);
+    ck_assert_uint_eq(api_wire_count(wire, "000#8200"), 1);
+    ck_assert_uint_eq(api_wire_count(wire, "000#0105"), 1);
+    api_wire_close(wire);
 }
 END_TEST
 

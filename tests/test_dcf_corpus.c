@@ -262,7 +262,7 @@ int main(void)
     int failed;
 
     if (!corpus_is_there()) {
-        printf("there is no corpus of real files in %s: its tests are NOT RUN\n", TEST_CORPUS_DIR);
+        printf("    NOT RUN: there is no corpus of real files in %s\n", TEST_CORPUS_DIR);
         return 0;
     }
     runner = srunner_create(corpus_suite());

@@ -45,7 +45,8 @@ def stable_part(text):
 def first_columns(page):
     """The text of the first column of each table row, one line each."""
     rows = [line for line in page.splitlines() if line.startswith("|")]
-    return "\n".join(normal(row.replace("\\|", "\0").split("|")[1].replace("`", "")) for row in rows)
+    columns = (row.replace("\\|", "\0").split("|")[1] for row in rows)
+    return "\n".join(normal(column.replace("`", "")) for column in columns)
 
 
 def findings(root):

@@ -17,7 +17,8 @@ FLOOD_FRAMES = 100000  # some seconds of a full bus
 WRITES = 300
 # What a manager or a device must not take for its own: 29-bit identifiers, remote frames.
 FOREIGN = ("00000000#0205", "00000000#8100", "00000705#00", "00000706#7F",
-           "00000585#8000100000000206", "00000605#4000100000000000", "0000077F#00", "00000085#0010010000000000",
+           "00000585#8000100000000206", "00000605#4000100000000000", "0000077F#00",
+           "00000085#0010010000000000",
            "1FFFFFFF#FFFFFFFFFFFFFFFF", "000#R2", "585#R8", "605#R8", "77F#R1", "080#R", "085#R8")
 FOREIGN_FD = ((0x000, "0205"), (0x705, "00"), (0x705, "7F00000000000000"), (0x77F, "05"),
               (0x585, "8000100000000206"), (0x605, "4000100000000000AAAAAAAA"))
@@ -161,7 +162,8 @@ class NoBus(ForeignTest):
         """CAN sockets are not allowed; the kernel has none"""
         here = os.path.dirname(os.path.abspath(__file__))
         deny = [sys.executable, "-B", os.path.join(here, "deny_can.py")]
-        self.judge([*deny, errno.EPERM], "can0", f"can0: no right to open a CAN socket: {NOT_ALLOWED}; "
+        self.judge([*deny, errno.EPERM], "can0",
+                   f"can0: no right to open a CAN socket: {NOT_ALLOWED}; "
                    "allow AF_CAN to this container or service")
         self.judge([*deny, errno.EAFNOSUPPORT], "can0",
                    "can0: this kernel has no CAN support (run: modprobe can_raw)")

@@ -98,6 +98,7 @@ static unsigned map_network_event(const struct network_config *config, const str
         return put_uc(ret_events, config, 0, MCANOPEN_MSG_NETWORK_UP, (unsigned)event->actual);
     case MANAGER_HALTED: return put_halted(ret_events, config, event);
     case MANAGER_NODE_ID_TAKEN:
+    case MANAGER_NODE_UNFOLLOWED:
     case MANAGER_SECOND_MASTER: return put_text(ret_events, config, event);
     case RUNTIME_FRAMES_LOST:
         return put_ul(ret_events, config, 0, MCANOPEN_MSG_FRAMES_LOST,

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #define START_FOLLOWED 6u /* of 'unfollowed': it has followed, or never will */
+#define START_COMMANDS (START_FOLLOWED / 2u)
 
 void boot_node_init(struct boot_node *self, uint8_t node, const struct node_config *config)
 {
@@ -410,13 +411,19 @@ void boot_node_on_boot_up(struct boot_node *self, const struct co_frame *frame, 
 }
 
 /* A node that was started and has never followed: the command is repeated, a few times. */
-static void check_followed(struct boot_node *self)
+static void check_followed(struct boot_node *self, struct co_outbox *out)
 {
     if (self->step != BOOT_STARTED || self->unfollowed >= START_FOLLOWED)
         return;
     if (self->nmt_state == NMT_OPERATIONAL)
         self->unfollowed = START_FOLLOWED;
-    else if (++self->unfollowed % 2 == 0) /* the first may have been on its way already */
+    else if (++self->unfollowed == START_FOLLOWED)
+        boot_node_put_event(self,
+                            (struct co_event){ .type = MANAGER_NODE_UNFOLLOWED,
+                                               .detail = self->nmt_state,
+                                               .actual = START_COMMANDS },
+                            out);
+    else if (self->unfollowed % 2 == 0) /* the first may have been on its way already */
         self->start_due = true;
 }
 
@@ -441,7 +448,7 @@ void boot_node_on_error_control(struct boot_node *self, const struct co_frame *f
         boot_node_put_event(self, (struct co_event){ .type = MANAGER_NODE_STATE, .detail = state },
                             out);
     }
-    check_followed(self);
+    check_followed(self, out);
     self->stopped = state == NMT_STOPPED ? NODE_STOPPED : NODE_NOT_STOPPED;
     if (is_steady)
         boot_node_enter_error_control(self, now, out);
@@ -460,12 +467,14 @@ void boot_node_on_alive(struct boot_node *self, co_us_t now, struct co_outbox *o
 static void send_start(struct boot_node *self, struct co_outbox *out)
 {
     struct co_frame frame = nmt_command_frame(NMT_START, self->config->node_id);
+    uint8_t unfollowed = self->step == BOOT_STARTED ? self->unfollowed : 0;
 
     if (!co_outbox_room(out, 1, 0))
         return;
     co_outbox_put_frame(out, &frame);
     self->start_due = false;
     boot_node_commanded(self, NMT_START);
+    self->unfollowed = unfollowed; /* goes on where the command is repeated */
     boot_node_put_event(self, (struct co_event){ .type = MANAGER_NODE_STARTED }, out);
 }
 

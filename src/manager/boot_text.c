@@ -294,6 +294,12 @@ static bool add_bad_news(struct text *text, const struct node_config *node,
     case MANAGER_NODE_TOGGLE:
         add(text, "guarding toggle error no %u", (unsigned)event->actual);
         return true;
+    case MANAGER_NODE_UNFOLLOWED:
+        add(text,
+            "has been started %u times and is %s still: it leaves by itself (emergencies, 1029h), "
+            "or somebody else commands it",
+            (unsigned)event->actual, nmt_state_text(event->detail));
+        return true;
     case MANAGER_EMCY: add_emergency(text, event); return true;
     case MANAGER_NODE_ID_TAKEN: add_node_id_taken(text, event->detail); return true;
     default: return false;

@@ -17,6 +17,7 @@ enum manager_event {
     MANAGER_NODE_FAILED,     /* node, detail: status letter, see struct boot_failure */
     MANAGER_NODE_BOOTED,     /* node, detail: status letter 'L' or 0 */
     MANAGER_NODE_STARTED,    /* node */
+    MANAGER_NODE_UNFOLLOWED, /* node, actual: times it was started; detail: the state it is in */
     MANAGER_NODE_STATE,      /* node, detail: NMT state it reports */
     MANAGER_NODE_BOOT_UP,    /* node; actual: 1 if the configuration knows it */
     MANAGER_NODE_LOST,       /* node, expected: ms of silence; detail: its last state; actual: 1 if

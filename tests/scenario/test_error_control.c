@@ -282,6 +282,34 @@ START_TEST(test_start_not_followed)
 }
 END_TEST
 
+/* It never follows: a few times are enough, then it is told. The application may try again. */
+START_TEST(test_never_follows)
+{
+    struct plant *plant = make_plant(PLANT_NODE(5, HEARTBEAT MANDATORY) PLANT_NODE(6, HEARTBEAT));
+    unsigned left = 1000;
+
+    plant->fault = lose_start;
+    plant->fault_context = &left;
+    plant_power_on(plant);
+    plant_run_ms(plant, 10000);
+    ck_assert_uint_eq(plant_sent(plant, "000#0105"), 3);
+    ck_assert_uint_eq(plant_said_times(plant, "error: node 5: has been started 3 times and is "
+                                              "pre-operational still"),
+                      1);
+    ck_assert(!plant_said(plant, "network is up"));
+    ck_assert_int_eq(plant_command(plant, NMT_START, 5), CO_OK);
+    plant_run_ms(plant, 10000);
+    ck_assert_uint_eq(plant_sent(plant, "000#0105"), 6);
+    ck_assert_uint_eq(plant_said_times(plant, "node 5: has been started 3 times"), 2);
+    left = 0;
+    ck_assert_int_eq(plant_command(plant, NMT_START, 5), CO_OK);
+    ck_assert_int_eq(plant_command(plant, NMT_START, 6), CO_OK);
+    plant_run_ms(plant, 1000);
+    watch_expect_up(plant, "is not up");
+    plant_free(plant);
+}
+END_TEST
+
 /* But a node that has followed, and then leaves by itself, has its reasons: that is only told. */
 START_TEST(test_leaves_by_itself)
 {
@@ -341,6 +369,7 @@ int main(void)
     tcase_add_test(tcase, test_told_only);
     tcase_add_test(tcase, test_heartbeat_after_all);
     tcase_add_loop_test(tcase, test_start_not_followed, 0, 2);
+    tcase_add_test(tcase, test_never_follows);
     tcase_add_test(tcase, test_leaves_by_itself);
     tcase_add_test(tcase, test_start_overtakes);
     return suite_run("error_control", tcase);

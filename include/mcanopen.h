@@ -171,9 +171,10 @@ enum {
 };
 /* with PARA_UL, para.ul */
 enum {
-    MCANOPEN_MSG_EMERGENCY = 1,   /* ul: error code in bits 0..15, error register in bits 16..23 */
-    MCANOPEN_MSG_EVENTS_LOST = 2, /* NET_NOT_VAL and NOD_NOT_VAL; ul: events dropped, queue full */
-    MCANOPEN_MSG_FRAMES_LOST = 3  /* NOD_NOT_VAL; ul: frames that the interface has dropped */
+    MCANOPEN_MSG_EMERGENCY = 1,    /* ul: error code in bits 0..15, error register in bits 16..23 */
+    MCANOPEN_MSG_EVENTS_LOST = 2,  /* NET_NOT_VAL and NOD_NOT_VAL; ul: events dropped, queue full */
+    MCANOPEN_MSG_FRAMES_LOST = 3,  /* NOD_NOT_VAL; ul: frames that the interface has dropped */
+    MCANOPEN_MSG_FRAMES_UNSENT = 4 /* NOD_NOT_VAL; ul: frames that the bus did not take in 2 s */
 };
 /* with PARA_WRITE, para.write */
 enum {
@@ -336,8 +337,9 @@ MCANOPEN_API int mcanOpenWriteSDO(unsigned short net, unsigned short modID, int 
 MCANOPEN_API int mcanOpenNodeControl(int net, int nodeID, long flags);
 
 /*
- * NMT commands (CiA 301, 7.2.8.2.1) to a node of the configuration, 1..127. They return when the
- * frame has been handed to the interface; the change of state is told by events. They do not wait.
+ * NMT commands (CiA 301, 7.2.8.2.1) to a node of the configuration, 1..127. They do not wait: the
+ * frame goes out at once or stands in the queue, where it is given up after 2 s
+ * (MCANOPEN_MSG_FRAMES_UNSENT). The change of state is told by events.
  *
  * nodeID 0 (ours) addresses all nodes, with one frame. The manager's own node-ID changes the state
  * of the manager: with NMT_Auto_Operational FALSE, mcanOpenStartNode(net, Manager_Node_Id) is how
@@ -355,8 +357,8 @@ MCANOPEN_API int mcanOpenNodeControl(int net, int nodeID, long flags);
  *   MCAL_NODE_NOT_FREE      not now: the manager is not started, not the NMT master or busy with
  *                           the boot of the node or, where it is meant itself or all are, of the
  *                           network; start before the manager is operational
- *   MCAL_CAN_TX_TIMEOUT, MCAL_CAN_TX_ERROR, MCAL_CAN_CONTR_OFF_BUS, MCAL_CAN_CONTR_WARN,
- *   MCAL_CAN_CONTR_BUSY     the command could not be sent
+ *   MCAL_CAN_TX_ERROR, MCAL_CAN_CONTR_OFF_BUS, MCAL_CAN_CONTR_BUSY   the command could not be sent,
+ *                           as told at each code
  */
 MCANOPEN_API int mcanOpenStartNode(int net, int nodeID);
 MCANOPEN_API int mcanOpenStopNode(int net, int nodeID);

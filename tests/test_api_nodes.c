@@ -3,6 +3,8 @@
 #include "support/api_wire.h"
 #include "support/suite.h"
 
+#include <stdio.h>
+
 #include <string.h>
 
 #define ROWS(table) (int)(sizeof(table) / sizeof *(table))
@@ -118,6 +120,30 @@ START_TEST(the_manager_lets_the_network_start)
     ck_assert_int_eq(mcanOpenStartNode(0, 127), MCANOPEN_OK);
     api_wire_wait(wire, frame, 1);
     ck_assert_int_eq(state_of(127), MCANOPEN_STATE_OPERATIONAL);
+}
+END_TEST
+
+/* A bus that takes a frame each 7 ms or so: the queue is full, and most of it is given up. */
+START_TEST(more_commands_than_the_bus_takes)
+{
+    static const char format[] =
+        "<CANopen_Manager><Manager_Instance><Net_No>0</Net_No><Baudrate>10</Baudrate>"
+        "<Interface>%s-slow?bitrate=10000</Interface>" API_NODE_WITH(
+            5, "<NMT_Slave>FALSE</NMT_Slave>") "</Manager_Instance></CANopen_Manager>";
+    char text[sizeof format + sizeof plant->bus];
+    int result;
+
+    snprintf(text, sizeof text, format, plant->bus);
+    ck_assert_int_eq(mcanOpenInitialize(), MCANOPEN_OK);
+    ck_assert_int_eq(api_config_text(plant, text), MCANOPEN_OK);
+    mcanOpenStart();
+    api_wait_event(API_NETWORK_UP, -1);
+    do
+        result = mcanOpenEnterPreop(0, 5);
+    while (result == MCANOPEN_OK);
+    ck_assert_int_eq(result, MCAL_CAN_CONTR_BUSY);
+    ck_assert_uint_gt(api_wait_event(API_EVENT(PARA_UL, MCANOPEN_MSG_FRAMES_UNSENT), -1).para.ul,
+                      0);
 }
 END_TEST
 
@@ -291,6 +317,7 @@ int main(void)
     tcase_add_test(tests, a_reset_is_always_reset_node);
     tcase_add_loop_test(tests, a_command_to_all_nodes, 0, ROWS(broadcasts));
     tcase_add_test(tests, the_manager_lets_the_network_start);
+    tcase_add_test(tests, more_commands_than_the_bus_takes);
     tcase_add_test(tests, commands_wait_until_the_network_has_booted);
     tcase_add_test(tests, who_is_not_master_commands_nobody);
     tcase_add_loop_test(tests, wrong_nets_and_nodes, 0, ROWS(arguments));

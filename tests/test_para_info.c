@@ -45,7 +45,7 @@ START_TEST(known_messages_are_at_their_numbers)
         { iParaInfo, MCANOPEN_MSG_BUS_STATE, MCANOPEN_MSG_GUARDING_TOGGLE },
         { uiParaInfo, 0, 0 },
         { lParaInfo, 0, 0 },
-        { ulParaInfo, MCANOPEN_MSG_FRAMES_LOST, 0 },
+        { ulParaInfo, MCANOPEN_MSG_FRAMES_UNSENT, 0 },
         { writeParaInfo, MCANOPEN_MSG_BOOT_READ_ABORTED, 0 },
         { strParaInfo, MCANOPEN_MSG_TEXT, 0 },
     };
@@ -124,6 +124,8 @@ static const struct {
       "events lost, not fetched in time: 4294967295" },
     { EVENT(PARA_UL | NOD_NOT_VAL, MCANOPEN_MSG_FRAMES_LOST, .ul = 3),
       "Net: 1 CAN frames lost: 3" },
+    { EVENT(PARA_UL | NOD_NOT_VAL, MCANOPEN_MSG_FRAMES_UNSENT, .ul = 1024),
+      "Net: 1 CAN frames not sent in time: 1024" },
     { EVENT(PARA_WRITE, MCANOPEN_MSG_CONFIGURATION_ABORTED, .write = { 0x1017, 0, { 6, 1, 0, 2 } }),
       "Net: 1 Node: 5 configuration aborted at 1017h:00, abort code 06010002h"
       " (object is read-only)" },

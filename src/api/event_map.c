@@ -103,6 +103,9 @@ static unsigned map_network_event(const struct network_config *config, const str
     case RUNTIME_FRAMES_LOST:
         return put_ul(ret_events, config, 0, MCANOPEN_MSG_FRAMES_LOST,
                       (unsigned long)event->actual);
+    case RUNTIME_UNSENT:
+        return put_ul(ret_events, config, 0, MCANOPEN_MSG_FRAMES_UNSENT,
+                      (unsigned long)event->actual);
     case RUNTIME_BUS_STATE:
         *ret_events = make(config, 0, PARA_I, MCANOPEN_MSG_BUS_STATE);
         ret_events->para.i = event->detail;

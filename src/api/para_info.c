@@ -50,7 +50,8 @@ const char *const ulParaInfo[PARA_INFO_SIZE] = {
     NONE_1 "emergency",                  /* MCANOPEN_MSG_EMERGENCY */
     "events lost, not fetched in time:", /* MCANOPEN_MSG_EVENTS_LOST */
     "CAN frames lost:",                  /* MCANOPEN_MSG_FRAMES_LOST */
-    NONE_248 NONE_4
+    "CAN frames not sent in time:",      /* MCANOPEN_MSG_FRAMES_UNSENT */
+    NONE_248 NONE_2 NONE_1
 };
 
 const char *const writeParaInfo[PARA_INFO_SIZE] = {

@@ -14,11 +14,6 @@ static bool is_guarded(const struct node_config *config)
     return config->guard_time != 0 && config->life_time_factor != 0;
 }
 
-bool supervision_is_configured(const struct node_config *config)
-{
-    return config->consumer_heartbeat_time != 0 || is_guarded(config);
-}
-
 bool supervision_is_alive(const struct supervision *self, co_us_t now)
 {
     return self->last_heartbeat && now - self->last_heartbeat < self->heartbeat.period;

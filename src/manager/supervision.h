@@ -24,9 +24,6 @@ struct supervision {
 
 void supervision_init(struct supervision *self, uint8_t node);
 
-/* Heartbeat, or guarding with time and factor, is configured. */
-bool supervision_is_configured(const struct node_config *config);
-
 /*
  * Supervises from now on. True: the first heartbeat is to be waited for, at most until *ret_limit;
  * one that has come already and is not too old is told at once.

@@ -427,6 +427,11 @@ enum co_err network_set_priority(struct network *self, int native)
     return thread_set_priority(&self->thread, native);
 }
 
+bool network_is_full(const struct network *self)
+{
+    return tx_queue_is_full(&self->tx);
+}
+
 enum bus_state network_bus_state(const struct network *self)
 {
     return self->bus_state;
@@ -440,11 +445,6 @@ const char *network_name(const struct network *self)
 void network_explain(const struct network *self, char *text, size_t size)
 {
     bus_explain(self->bus, text, size);
-}
-
-bool network_is_own_thread(const struct network *self)
-{
-    return thread_is_self(&self->thread);
 }
 
 /* --- API calls --- */

@@ -63,12 +63,13 @@ enum co_err network_set_priority(struct network *self, int native);
 const char *network_name(const struct network *self);
 /* bus_explain(); from any thread, also from the sink. */
 void network_explain(const struct network *self, char *text, size_t size);
-bool network_is_own_thread(const struct network *self);
 
 /* Takes the lock; the devices' outbox, and the time. */
 struct co_outbox *network_enter(struct network *self, co_us_t *ret_now);
 /* Sends what the device of this node-ID has put out and gives the lock. */
 void network_leave(struct network *self, uint8_t node);
+/* Between enter and leave: there is no room for another frame to be sent. */
+bool network_is_full(const struct network *self);
 /* Between enter and leave: the state of the bus that was told last. */
 enum bus_state network_bus_state(const struct network *self);
 /*

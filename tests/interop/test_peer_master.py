@@ -114,6 +114,36 @@ class PeerMaster(PeerTest):
         self.assertGreater(refused, 20)
         plant.say(f"{count} objects: {taken} written and read back, {refused} refused")
 
+    def test_configured_by_peer(self):
+        """the example's pump, configured by python-canopen in its own order"""
+        node = self.example()
+        node.load_configuration()
+        compared = 0
+        for entry in variables(node.object_dictionary):
+            if entry.value is not None:
+                value = entry.decode_raw(node.sdo.upload(entry.index, entry.subindex))
+                self.assertEqual(value, entry.value, f"{entry.index:04X}h:{entry.subindex:02X}")
+                compared += 1
+        self.assertGreater(compared, 15)
+
+    def test_mapping_by_peer(self):
+        """PDOs as python-canopen reads them, and maps them anew"""
+        node = self.example()
+        node.tpdo.read()
+        pdo = node.tpdo[1]
+        self.assertEqual([(var.index, var.subindex, var.length) for var in pdo],
+                         [(0x6041, 0, 16), (0x6044, 0, 16)])
+        self.assertEqual((pdo.enabled, pdo.cob_id, pdo.trans_type), (True, 0x185, 255))
+        pdo.clear()
+        for index, sub in ((0x6046, 2), (0x1001, 0), (0x6041, 0)):
+            pdo.add_variable(index, sub)
+        pdo.trans_type, pdo.inhibit_time, pdo.event_timer = 254, 50, 300
+        pdo.save()
+        self.assertEqual([node.sdo[0x1A00][sub].raw for sub in range(1, 4)],
+                         [0x60460220, 0x10010008, 0x60410010])
+        self.assertEqual(node.sdo[0x1A00][0].raw, 3)
+        self.assertEqual([node.sdo[0x1800][sub].raw for sub in (1, 2, 3, 5)], [0x185, 254, 50, 300])
+
     def test_types(self):
         """every data type"""
         entries = [Entry(0x2000, kind, default) for kind, default, _ in TYPES]

@@ -19,7 +19,7 @@ install(TARGETS mcanopen EXPORT mcanopenTargets
 install(FILES ${PROJECT_BINARY_DIR}/libmcanopen.a DESTINATION ${CMAKE_INSTALL_LIBDIR})
 
 install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${doc_dir})
-install(FILES docs/network-xml.md docs/threading.md DESTINATION ${doc_dir}/docs)
+install(FILES docs/network-xml.md docs/real-hardware.md docs/threading.md DESTINATION ${doc_dir}/docs)
 
 # ---- CMake: mcanopen::mcanopen and mcanopen::static ----------------------------------------------
 

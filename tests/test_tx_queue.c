@@ -25,6 +25,13 @@ static void put(uint32_t id, co_us_t now)
     tx_queue_put(queue, &frame, now);
 }
 
+static bool takes(uint32_t id)
+{
+    struct co_frame frame = co_frame_make(id, 0);
+
+    return tx_queue_takes(queue, &frame);
+}
+
 static void put_text(const char *text)
 {
     struct co_frame frame;
@@ -85,9 +92,14 @@ START_TEST(what_finds_no_room_is_counted)
 {
     for (uint32_t i = 0; i < TX_QUEUE_SIZE; i++) {
         ck_assert(!tx_queue_is_full(queue));
+        ck_assert(takes(0x7FF));
         put(i, 0);
     }
     ck_assert(tx_queue_is_full(queue));
+    ck_assert(!takes(0x7FF));
+    ck_assert(!takes(TX_QUEUE_SIZE - 1)); /* behind the last one, which has the same */
+    ck_assert(takes(TX_QUEUE_SIZE - 2));
+    ck_assert(takes(0));
     put(0x7FF, 0);
     put(TX_QUEUE_SIZE - 1, 0);
     ck_assert_uint_eq(tx_queue_take_lost(queue), 2);

@@ -25,7 +25,7 @@ static int command(int net, int node, enum nmt_command nmt)
         return result;
     out = network_enter(managed->network, &now);
     result = error_of_bus_state(network_bus_state(managed->network));
-    if (result == MCANOPEN_OK && network_is_full(managed->network))
+    if (result == MCANOPEN_OK && !network_takes(managed->network, NMT_CAN_ID))
         result = MCAL_CAN_CONTR_BUSY;
     if (result == MCANOPEN_OK)
         result = error_of_command(manager_command(managed->manager, nmt, (uint8_t)node, now, out));

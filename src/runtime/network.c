@@ -427,9 +427,11 @@ enum co_err network_set_priority(struct network *self, int native)
     return thread_set_priority(&self->thread, native);
 }
 
-bool network_is_full(const struct network *self)
+bool network_takes(const struct network *self, uint32_t can_id)
 {
-    return tx_queue_is_full(&self->tx);
+    const struct co_frame frame = co_frame_make(can_id, 0);
+
+    return tx_queue_takes(&self->tx, &frame);
 }
 
 enum bus_state network_bus_state(const struct network *self)

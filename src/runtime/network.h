@@ -68,8 +68,8 @@ void network_explain(const struct network *self, char *text, size_t size);
 struct co_outbox *network_enter(struct network *self, co_us_t *ret_now);
 /* Sends what the device of this node-ID has put out and gives the lock. */
 void network_leave(struct network *self, uint8_t node);
-/* Between enter and leave: there is no room for another frame to be sent. */
-bool network_is_full(const struct network *self);
+/* Between enter and leave: there is room in the queue for a frame with this identifier. */
+bool network_takes(const struct network *self, uint32_t can_id);
 /* Between enter and leave: the state of the bus that was told last. */
 enum bus_state network_bus_state(const struct network *self);
 /*

@@ -32,6 +32,11 @@ static unsigned place_of(const struct tx_queue *self, uint32_t rank)
     return low;
 }
 
+bool tx_queue_takes(const struct tx_queue *self, const struct co_frame *frame)
+{
+    return !tx_queue_is_full(self) || place_of(self, rank_of(frame)) > 0;
+}
+
 void tx_queue_put(struct tx_queue *self, const struct co_frame *frame, co_us_t now)
 {
     const struct tx_queue_item item = { .rank = rank_of(frame), .frame = *frame, .since = now };

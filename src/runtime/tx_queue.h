@@ -34,6 +34,8 @@ struct tx_queue {
 /* Where there is no room, the frame that would be sent last is lost. */
 void tx_queue_put(struct tx_queue *self, const struct co_frame *frame, co_us_t now);
 bool tx_queue_is_full(const struct tx_queue *self);
+/* True if this frame would not be the one that is lost. */
+bool tx_queue_takes(const struct tx_queue *self, const struct co_frame *frame);
 /* The next one; NULL: there is none. */
 const struct co_frame *tx_queue_first(const struct tx_queue *self);
 /* It was sent. */

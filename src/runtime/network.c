@@ -12,6 +12,8 @@
 #define TX_RETRY   CO_MS(1)   /* the bus had no room */
 #define BUS_RETRY  CO_MS(100) /* it is down, or off, or refuses */
 #define TELL_PAUSE CO_MS(1000)
+#define REFUSED                                                                                    \
+    CO_MS(1000) /* the bus says that it is well and refuses frames: until the next try */
 
 /* What a manager and a slave have in common: the machine's form. */
 struct device {
@@ -36,7 +38,8 @@ struct network {
     co_us_t tx_retry; /* CO_NEVER: nothing waits */
     co_us_t tx_tell;  /* when losses may be told again */
     bool busy_told;
-    bool send_fails, receive_fails;
+    bool receive_fails;
+    co_us_t refused_until;    /* 0: it takes frames */
     enum bus_state bus_state; /* as told */
     unsigned outages;         /* of the bus, as last seen */
     bool has_events;          /* since the last signal of changed */
@@ -84,12 +87,20 @@ static void tell(struct network *self, struct co_event event)
         self->options.sink(self->options.context, self, &event);
 }
 
-/* False: the bus does not keep up, or refuses. */
-static bool send_frame(struct network *self, const struct co_frame *frame)
+static bool is_lost(enum bus_state state)
+{
+    return state == BUS_OFF || state == BUS_DOWN;
+}
+
+/* False: the bus does not keep up, or is lost, or refuses. */
+static bool send_frame(struct network *self, const struct co_frame *frame, co_us_t now)
 {
     enum co_err err = bus_send(self->bus, frame);
 
-    self->send_fails = err != CO_OK && err != CO_ERR_AGAIN;
+    if (err == CO_OK)
+        self->refused_until = 0;
+    else if (err != CO_ERR_AGAIN && !is_lost(bus_get_state(self->bus)))
+        self->refused_until = now + REFUSED;
     if (err == CO_ERR_AGAIN && !self->busy_told) {
         self->busy_told = true;
         tell(self, (struct co_event){ .type = RUNTIME_BUSY });
@@ -100,7 +111,7 @@ static bool send_frame(struct network *self, const struct co_frame *frame)
 /* Frames wait only while the bus does not keep up; then the most urgent one is first. */
 static void put_frame(struct network *self, const struct co_frame *frame, co_us_t now)
 {
-    if (tx_queue_first(&self->tx) != NULL || !send_frame(self, frame))
+    if (tx_queue_first(&self->tx) != NULL || !send_frame(self, frame, now))
         tx_queue_put(&self->tx, frame, now);
 }
 
@@ -116,11 +127,6 @@ static void drain(struct network *self, uint8_t node, co_us_t now)
     }
     while (co_outbox_take_event(&self->out, &event))
         tell(self, event);
-}
-
-static bool is_lost(enum bus_state state)
-{
-    return state == BUS_OFF || state == BUS_DOWN;
 }
 
 static void tell_lost(struct network *self, co_us_t now)
@@ -164,7 +170,9 @@ static void look_at_bus(struct network *self, co_us_t now)
     enum bus_state state = bus_get_state(self->bus);
     unsigned outages = bus_outages(self->bus);
 
-    if ((self->send_fails || self->receive_fails) && !is_lost(state))
+    if (now >= self->refused_until)
+        self->refused_until = 0;
+    if ((self->refused_until > 0 || self->receive_fails) && !is_lost(state))
         state = BUS_DOWN;
     if (outages != self->outages && !is_lost(state) && !is_lost(self->bus_state))
         change_state(self, BUS_DOWN, now);
@@ -176,22 +184,21 @@ static void send_frames(struct network *self, co_us_t now)
 {
     const struct co_frame *frame;
 
-    self->tx_retry = CO_NEVER;
     while ((frame = tx_queue_first(&self->tx)) != NULL) {
-        if (send_frame(self, frame)) {
+        if (send_frame(self, frame, now))
             tx_queue_sent(&self->tx);
-        } else if (!tx_queue_give_up(&self->tx, now)) {
-            self->tx_retry = now + (self->send_fails ? BUS_RETRY : TX_RETRY);
+        else if (!tx_queue_give_up(&self->tx, now))
             return;
-        }
     }
-    self->send_fails = false; /* who knows: the next one will show */
 }
 
 static void flush_tx(struct network *self, co_us_t now)
 {
     send_frames(self, now);
     look_at_bus(self, now);
+    self->tx_retry = CO_NEVER;
+    if (tx_queue_first(&self->tx) != NULL)
+        self->tx_retry = now + (is_lost(self->bus_state) ? BUS_RETRY : TX_RETRY);
     tell_lost(self, now);
 }
 
@@ -248,6 +255,8 @@ static co_us_t next_deadline(const struct network *self)
 {
     co_us_t next = self->tx.lost > 0 ? self->tx_tell : CO_NEVER;
 
+    if (self->refused_until > 0)
+        next = co_earlier(next, self->refused_until);
     for (unsigned i = 0; i < self->device_count; i++)
         next = co_earlier(next, device_deadline(&self->devices[i]));
     return co_earlier(next, self->tx_retry);
@@ -322,8 +331,12 @@ static enum co_err set_filters(struct network *self)
 static enum co_err open_bus(struct network *self, char *message, size_t message_size)
 {
     struct bus_options options = { .own_frames = true, .bitrate = self->options.bitrate };
-    enum co_err err = bus_open(self->options.bus, &options, &self->bus, message, message_size);
+    enum co_err err = CO_OK;
 
+    if (self->options.opened)
+        self->bus = self->options.opened;
+    else
+        err = bus_open(self->options.bus, &options, &self->bus, message, message_size);
     if (err == CO_OK)
         err = set_filters(self);
     return err;

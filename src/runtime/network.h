@@ -33,8 +33,9 @@ typedef void (*network_sink_fn)(void *context, struct network *network,
                                 const struct co_event *event);
 
 struct network_options {
-    const char *bus;  /* see port/bus.h */
-    unsigned bitrate; /* kbit/s */
+    const char *bus;    /* see port/bus.h */
+    struct bus *opened; /* used in its place, and closed with the network; NULL: none */
+    unsigned bitrate;   /* kbit/s */
     network_sink_fn sink;
     void *context;
 };

@@ -110,7 +110,7 @@ static ssize_t play_send(int fd, const void *data, size_t size, int flags)
     if (kernel.send_error)
         return failure(kernel.send_error);
     memcpy(&kernel.sent, data, size);
-    kernel.sent_count++;
+    kernel.log[kernel.sent_count++ % PLAYED_LOG] = kernel.sent;
     return (ssize_t)size;
 }
 

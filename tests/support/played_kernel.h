@@ -21,6 +21,8 @@ struct delivery {
     struct can_frame frame;
 };
 
+#define PLAYED_LOG 256u /* frames sent that are kept */
+
 struct played_kernel {
     /* errors, as errno; 0: the call works */
     int socket_error, netlink_error, bind_error, send_error, option_error, failing_option;
@@ -31,10 +33,11 @@ struct played_kernel {
     struct can_filter filters[600];
     size_t filter_count;
     int raw_options[8], socket_options[80];
-    int bound;         /* index */
-    unsigned binds;    /* how often */
-    unsigned requests; /* for the interface */
-    struct can_frame sent;
+    int bound;             /* index */
+    unsigned binds;        /* how often */
+    unsigned requests;     /* for the interface */
+    struct can_frame sent; /* the last one */
+    struct can_frame log[PLAYED_LOG];
     unsigned sent_count;
     int can[2], netlink[2]; /* the bus has the first ones */
 };

@@ -120,9 +120,11 @@ mkdir -p /dev/shm
 mount -t tmpfs tmpfs /dev/shm
 ln -s /proc/self/fd /dev/fd
 mount -t tmpfs tmpfs /run
+mkdir -p /dev/pts
+mount -t devpts devpts /dev/pts
 modules=/usr/lib/uml/modules/\$(uname -r)/kernel
 for module in net/can/can net/can/can-raw net/can/can-bcm drivers/net/can/dev/can-dev \\
-    drivers/net/can/vcan; do
+    drivers/net/can/vcan drivers/net/can/slcan/slcan; do
     insmod \$modules/\$module.ko
 done
 ${TEST_CORPUS_DIR:+export TEST_CORPUS_DIR='$TEST_CORPUS_DIR'}

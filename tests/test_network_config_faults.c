@@ -249,6 +249,7 @@ START_TEST(test_example)
     ck_assert_int_eq(result->err, CO_OK);
     ck_assert_uint_eq(result->networks[0].nodes[2].guard_time, 2000);
     ck_assert_uint_eq(result->networks[0].nodes[2].life_time_factor, 2);
+    network_config_free(result->networks, result->count);
     config = config_parse_one(EXAMPLE(CONTROL("0", "0", "2000")));
     ck_assert_uint_eq(config->node_count, 3);
     ck_assert_str_eq(config->repository, "./dcf");

@@ -242,9 +242,9 @@ MCANOPEN_API int mcanOpenConfig(const char *cfgFile);
 /*
  * Starts the manager on every configured network: initial reset, Boot_Delay, then the boot of all
  * slaves side by side (CiA 302-2). Returns at once, or, with Wait_For_Startup TRUE in a network,
- * when each slave of that network has been tried once. What happens is told by events. Without a
- * configuration, a second time or from a callback it does nothing but log an error; where the
- * system has no threads left, it logs that and shuts down (as mcanOpenShutDown).
+ * when each slave of that network has been tried once or the bus is lost. What happens is told by
+ * events. Without a configuration, a second time or from a callback it does nothing but log an
+ * error; where the system has no threads left, it logs that and shuts down (as mcanOpenShutDown).
  */
 MCANOPEN_API void mcanOpenStart(void);
 

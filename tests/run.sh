@@ -263,6 +263,14 @@ valgrind_one()
         --errors-for-leak-kinds=definite,possible "$@"
 }
 
+# Refused input leaves nothing behind: each way out under valgrind.
+run_refusals()
+{
+    cd tests/system || return 1
+    MCANOPEN_TEST_WRAP="valgrind -q --error-exitcode=99 --leak-check=full" \
+        MCANOPEN_TOOLS=$build/debug/tools python3 test_bad_input.py
+}
+
 # ---- which lanes ---------------------------------------------------------------------------------
 
 run_ordinary()
@@ -283,6 +291,7 @@ run_more()
     lane tsan test_preset tsan -LE house
     lane m32 run_m32
     lane valgrind run_valgrind
+    lane refusals run_refusals
     lane example sh tests/system/valgrind_example.sh "$build/debug"
     lane fuzz run_fuzz
     lane release build_preset release

@@ -101,6 +101,31 @@ START_TEST(each_node_has_its_file)
 }
 END_TEST
 
+/* Else the date spares the device no later download. */
+START_TEST(the_date_is_what_the_file_writes)
+{
+    static const char ccf[] = "\2\0\0\0"
+                              "\x20\x10\1\4\0\0\0\5\0\0\0"
+                              "\x20\x10\2\4\0\0\0\6\0\0\0";
+
+    write_bytes("b.ccf", ccf, sizeof ccf - 1);
+    ck_assert_int_eq(load(XML(NODE(5, "<CCF_File>b.ccf</CCF_File>"
+                                      "<Configuration_Date>5</Configuration_Date>"
+                                      "<Configuration_Time>6</Configuration_Time>"))),
+                     MCANOPEN_OK);
+    ck_assert_str_eq(messages.text, "");
+    network_config_free(networks, count);
+    ck_assert_int_eq(load(XML(NODE(5, "<CCF_File>b.ccf</CCF_File>"
+                                      "<Configuration_Date>5</Configuration_Date>"
+                                      "<Configuration_Time>7</Configuration_Time>"))),
+                     MCANOPEN_OK);
+    ck_assert_str_eq(messages.text,
+                     "xml:2: warning: Configuration_Date, Configuration_Time: b.ccf does not "
+                     "write them to 1020h of node 5: it will be configured at each boot, unless "
+                     "somebody else does\n");
+}
+END_TEST
+
 START_TEST(files_come_from_the_repository)
 {
     ck_assert_int_eq(mkdir("r", 0700), 0);
@@ -211,6 +236,7 @@ int main(void)
     tcase_add_checked_fixture(tests, set_up, tear_down);
     tcase_set_timeout(tests, 60);
     tcase_add_test(tests, each_node_has_its_file);
+    tcase_add_test(tests, the_date_is_what_the_file_writes);
     tcase_add_test(tests, files_come_from_the_repository);
     tcase_add_test(tests, a_download_file_is_beside_its_dcf);
     tcase_add_loop_test(tests, a_download_file_outside_is_refused, 0, ROWS(outside));

@@ -30,6 +30,15 @@ static const struct verb {
     { "dump", verb_dump },
 };
 
+/* Who reads the output later must not take a part for the whole. */
+static int check_output(int result)
+{
+    if (fflush(stdout) == 0 && !ferror(stdout))
+        return result;
+    perror("mcanopen: standard output");
+    return result == EXIT_UP ? EXIT_USAGE : result;
+}
+
 /* getopt begins its messages with argv[0]. */
 static int run_verb(const struct verb *verb, int argc, char **argv)
 {
@@ -37,7 +46,7 @@ static int run_verb(const struct verb *verb, int argc, char **argv)
 
     snprintf(name, sizeof name, "mcanopen %s", verb->name);
     argv[0] = name;
-    return verb->run(argc, argv);
+    return check_output(verb->run(argc, argv));
 }
 
 int stop_signals(void)

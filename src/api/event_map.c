@@ -100,6 +100,7 @@ static unsigned map_network_event(const struct network_config *config, const str
     case MANAGER_NODE_ID_TAKEN:
     case MANAGER_NODE_UNFOLLOWED:
     case MANAGER_SECOND_MASTER: return put_text(ret_events, config, event);
+    case MANAGER_DROPPED:
     case RUNTIME_FRAMES_LOST:
         return put_ul(ret_events, config, 0, MCANOPEN_MSG_FRAMES_LOST,
                       (unsigned long)event->actual);

@@ -2,6 +2,7 @@
 
 #include "api/error_map.h"
 #include "api/file.h"
+#include "base/bytes.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -164,6 +165,36 @@ static int load_node_file(struct loader *self, const char *path)
     return result;
 }
 
+static uint32_t ccf_number(const struct ccf *ccf, uint16_t index, uint8_t sub)
+{
+    struct ccf_reader reader;
+    struct ccf_entry entry;
+    uint32_t number = 0;
+
+    ccf_reader_init(&reader, ccf);
+    while (ccf_read(&reader, &entry))
+        if (entry.index == index && entry.sub == sub && entry.size == 4)
+            number = get_le32(entry.value);
+    return number;
+}
+
+/* Date and time that the download does not leave in the device spare no later download. */
+static void check_date(const struct loader *self)
+{
+    const struct node_config *node = self->node;
+    struct co_report own = report_for(self->xml_report, self->xml_path);
+
+    if (node->configuration_date == 0 || ccf_count(&node->ccf) == 0)
+        return;
+    if (ccf_number(&node->ccf, 0x1020, 1) != node->configuration_date ||
+        ccf_number(&node->ccf, 0x1020, 2) != node->configuration_time)
+        co_report_add(&own, CO_WARNING, node->line,
+                      "Configuration_Date, Configuration_Time: %s does not write them to 1020h of "
+                      "node %u: it will be configured at each boot, unless somebody else does",
+                      node->dcf_file ? node->dcf_file : node->ccf_file, node->node_id);
+    add_up(self->xml_report, &own);
+}
+
 static int load_node(struct loader *self)
 {
     const char *name = self->node->dcf_file ? self->node->dcf_file : self->node->ccf_file;
@@ -175,6 +206,8 @@ static int load_node(struct loader *self)
     if (file_find(self->config, self->xml_path, name, &path) != CO_OK)
         return MCAL_OBJ_NO_MEMORY;
     result = load_node_file(self, path);
+    if (result == MCANOPEN_OK)
+        check_date(self);
     free(path);
     return result;
 }

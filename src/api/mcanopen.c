@@ -165,8 +165,8 @@ static bool tried_all(const struct managed *managed)
 {
     const struct manager *manager = managed->manager;
 
-    if (!managed->config->nmt_master)
-        return true; /* nobody tries them */
+    if (!managed->config->nmt_master || manager->bus_lost)
+        return true; /* nobody tries them, or nobody can */
     for (size_t i = 0; i < managed->config->node_count; i++) {
         const struct boot_node *node = &manager->nodes[managed->config->nodes[i].node_id];
 

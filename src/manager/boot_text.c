@@ -373,6 +373,11 @@ static bool add_network_news(struct text *text, const struct network_config *con
         if (event->expected)
             add(text, " after %u ms (Boot_Time)", (unsigned)event->expected);
         return true;
+    case MANAGER_DROPPED:
+        *ret_severity = CO_WARNING;
+        add(text, "%u frames not looked at: this computer is too slow for the bus",
+            (unsigned)event->actual);
+        return true;
     case MANAGER_SECOND_MASTER:
         *ret_severity = CO_WARNING;
         add_command(text, event);

@@ -93,6 +93,17 @@ static struct co_event translate(const struct manager *self, const struct co_eve
     return outer;
 }
 
+static void tell_dropped(struct manager *self, struct co_outbox *out)
+{
+    struct co_event event = { .type = MANAGER_DROPPED,
+                              .actual = self->dropped - self->dropped_told };
+
+    if (self->dropped == self->dropped_told || !co_outbox_room(out, 0, 1))
+        return;
+    self->dropped_told = self->dropped;
+    co_outbox_put_event(out, &event);
+}
+
 /* Moves frames and events out, in order, until nothing is left or there is no room. */
 static void settle(struct manager *self, co_us_t now, struct co_outbox *out)
 {
@@ -103,7 +114,7 @@ static void settle(struct manager *self, co_us_t now, struct co_outbox *out)
         while (co_outbox_room(out, 1, 0) && co_outbox_take_frame(&self->inner, &frame))
             co_outbox_put_frame(out, &frame);
         if (!co_outbox_room(out, 0, 1) || !co_outbox_take_event(&self->inner, &event))
-            return;
+            break;
         if (consume(self, &event, now)) {
             boot_network_check(self, now);
         } else {
@@ -112,6 +123,7 @@ static void settle(struct manager *self, co_us_t now, struct co_outbox *out)
             co_outbox_put_event(out, &outer);
         }
     }
+    tell_dropped(self, out);
 }
 
 /* --- frames --- */

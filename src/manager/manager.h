@@ -67,6 +67,7 @@ struct manager {
     struct co_frame inner_frames[MANAGER_INNER_FRAMES];
     struct co_event inner_events[MANAGER_INNER_EVENTS];
     unsigned dropped; /* frames that came while nobody took what had been put out */
+    unsigned dropped_told;
 };
 
 /* CO_ERR_MEMORY. The configuration must stay; it is checked and its CCFs are there. */

@@ -223,6 +223,32 @@ START_TEST(test_events_pile_up)
 }
 END_TEST
 
+/* Nobody takes the events of a thousand frames: the next ones pass, and that is told in the end. */
+START_TEST(test_dropped_frames_are_told)
+{
+    struct plant *plant = plant_new(PLANT_NODE(5, ""), 0);
+    const struct co_frame boot_up = nmt_error_control_frame(99, NMT_INITIALISING);
+    struct co_event event;
+    unsigned told = 0;
+
+    begin(plant, 1);
+    while (co_outbox_room(&out, 0, 1))
+        co_outbox_put_event(&out, &(struct co_event){ .type = MANAGER_EMCY });
+    for (unsigned i = 0; i < 2000; i++)
+        manager_on_frame(&manager, &boot_up, now, &out);
+    ck_assert_uint_gt(manager.dropped, 0);
+    for (unsigned i = 0; i < 3000; i++) {
+        while (co_outbox_take_event(&out, &event))
+            if (event.type == MANAGER_DROPPED)
+                told += (unsigned)event.actual;
+        manager_on_time(&manager, now, &out);
+    }
+    ck_assert_uint_eq(told, manager.dropped);
+    manager_done(&manager);
+    plant_free(plant);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tcase = tcase_create("tiny_boxes");
@@ -232,5 +258,6 @@ int main(void)
     tcase_add_loop_test(tcase, test_all_lost, 0, sizeof sizes / sizeof sizes[0]);
     tcase_add_test(tcase, test_owner_takes_nothing);
     tcase_add_test(tcase, test_events_pile_up);
+    tcase_add_test(tcase, test_dropped_frames_are_told);
     return suite_run("tiny_boxes", tcase);
 }

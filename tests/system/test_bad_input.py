@@ -6,6 +6,7 @@ With MCANOPEN_TEST_WRAP="valgrind -q --error-exitcode=99 --leak-check=full" it s
 out leave nothing behind.
 """
 import re
+import subprocess
 
 import plant
 from devices import UNSIGNED8, Entry, dcf, network, node, standard
@@ -147,6 +148,15 @@ class BadInput(plant.PlantTest):
         self.refused([*sim, "missing.xml"], USAGE,
                      ["missing.xml:8: error: DCF_File: no.dcf: no such file"])
         self.nothing_on_the_bus()
+
+
+class FullDevice(plant.PlantTest):
+    def test_output(self):
+        """what is printed is lost: the exit code tells"""
+        with open("/dev/full", "w", encoding="ascii") as full:
+            code = subprocess.run([*plant.WRAP, plant.MCANOPEN, "boot", "--help"], stdout=full,
+                                  stderr=subprocess.DEVNULL, check=False).returncode
+        self.assertEqual(code, USAGE)
 
 
 class BadCommand(plant.PlantTest):

@@ -161,8 +161,8 @@ class NoBus(ForeignTest):
     def test_forbidden(self):
         """CAN sockets are not allowed; the kernel has none"""
         with open(plant.MCANOPEN, "rb") as program:
-            if program.read(5)[4] == 1:  # ELFCLASS32: by socketcall(), whose arguments no filter sees
-                self.skipTest("the sockets of 32-bit programs cannot be filtered by their family")
+            if program.read(5)[4] == 1:  # a 32-bit program
+                self.skipTest("socketcall() of 32-bit programs cannot be filtered by family")
         here = os.path.dirname(os.path.abspath(__file__))
         deny = [sys.executable, "-B", os.path.join(here, "deny_can.py")]
         self.judge([*deny, errno.EPERM], "can0",

@@ -55,13 +55,25 @@ static struct bus_virtual *to_virtual(struct bus *bus)
     return (struct bus_virtual *)bus;
 }
 
-/* Waits for a stopped holder once, and only tries from then on. */
+static void virtual_wake(struct bus *bus)
+{
+    const uint64_t one = 1;
+    ssize_t size = write(to_virtual(bus)->wake, &one, sizeof one);
+
+    (void)size; /* EAGAIN: 2^64 - 2 wake-ups are pending, one more says nothing new */
+}
+
+/*
+ * Waits for a stopped holder once, and only tries from then on. Whichever thread finds the bus free
+ * again, the receiving one is told: its state has changed.
+ */
 static enum co_err lock_segment(struct bus_virtual *self)
 {
     co_us_t limit = atomic_load(&self->held) ? 0 : SEGMENT_HOLD_LIMIT;
     enum co_err err = segment_lock(&self->segment, limit);
 
-    atomic_store(&self->held, err == CO_ERR_HELD);
+    if (atomic_exchange(&self->held, err == CO_ERR_HELD) && err == CO_OK)
+        virtual_wake(&self->bus);
     return err;
 }
 
@@ -233,14 +245,6 @@ static enum co_err sleep_until(struct bus_virtual *self, co_us_t deadline, bool 
         drain_socket(self->socket);
     *ret_woken = poll.readable[1] && take_wake(self->wake);
     return err;
-}
-
-static void virtual_wake(struct bus *bus)
-{
-    const uint64_t one = 1;
-    ssize_t size = write(to_virtual(bus)->wake, &one, sizeof one);
-
-    (void)size; /* EAGAIN: 2^64 - 2 wake-ups are pending, one more says nothing new */
 }
 
 static enum co_err virtual_set_filters(struct bus *bus, const struct bus_filter *filters,

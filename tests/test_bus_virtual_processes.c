@@ -356,6 +356,7 @@ START_TEST(a_stopped_holder_is_named_and_may_go_on)
     kill(holder, SIGCONT);
     expect_success(holder);
     ck_assert_int_eq(bus_get_state(bus), BUS_ACTIVE);
+    ck_assert_int_eq(bus_wait(bus, clock_now() + CO_MS(20000)), CO_OK); /* its thread is told */
     ck_assert_int_eq(send_one(bus), CO_OK);
     ck_assert_int_eq(bus_receive(reader, &rx), CO_OK);
     bus_close(bus);

@@ -55,17 +55,26 @@ static void unlink_waiting(struct sdo_channel *self, struct sdo_request *request
     }
 }
 
+/* Its end, where it is told, is on its way to sdo_channel_on_done() and counted. */
+static bool end_running(struct sdo_channel *self, sdo_abort_t code, struct co_outbox *out)
+{
+    bool busy = sdo_client_busy(&self->client);
+
+    if (busy && code == SDO_OK) {
+        sdo_client_init(&self->client, self->client.node); /* the server has forgotten it too */
+        return true;
+    }
+    if (busy && !sdo_client_cancel(&self->client, code, out))
+        return false;
+    self->cancelled++;
+    return true;
+}
+
 bool sdo_channel_cancel(struct sdo_channel *self, struct sdo_request *request, sdo_abort_t code,
                         co_us_t now, struct co_outbox *out)
 {
     if (self->running == request) {
-        if (!sdo_client_busy(&self->client))
-            self->cancelled++; /* its end is known, but on its way to sdo_channel_on_done() */
-        else if (code == SDO_OK)
-            sdo_client_init(&self->client, self->client.node); /* the server has forgotten it too */
-        else if (sdo_client_cancel(&self->client, code, out))
-            self->cancelled++;
-        else
+        if (!end_running(self, code, out))
             return false;
         self->running = NULL;
         start_next(self, now, out);

@@ -271,6 +271,13 @@ run_refusals()
         MCANOPEN_TOOLS=$build/debug/tools python3 test_bad_input.py
 }
 
+# The README's first command, as in a fresh clone: nothing is built yet.
+run_demo()
+{
+    rm -rf "$build/fresh"
+    MCANOPEN_BUILD=$build/fresh/demo sh examples/boot-network/run.sh virtual:demo-$$
+}
+
 # ---- which lanes ---------------------------------------------------------------------------------
 
 run_ordinary()
@@ -295,6 +302,7 @@ run_more()
     lane example sh tests/system/valgrind_example.sh "$build/debug"
     lane fuzz run_fuzz
     lane release build_preset release
+    lane demo run_demo
 }
 
 run_lanes()

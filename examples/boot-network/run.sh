@@ -24,7 +24,8 @@ if [ -n "$missing" ]; then
         apt-get install -q -y --no-install-recommends $missing >/dev/null
 fi
 
-echo "== building in $build"
+mkdir -p "$build"
+echo "== building in ${build#"$top"/}"
 if ! { cmake -S "$top" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo \
            -DMCANOPEN_TESTS=OFF && cmake --build "$build"; } >"$build.log" 2>&1; then
     cat "$build.log"

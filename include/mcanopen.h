@@ -70,16 +70,17 @@ extern "C" {
 #define CANOPEN_DCF_OUT_OF_MEMORY   (-102) /* no memory while reading a DCF or CCF file */
 #define CANOPEN_DCF_WRONG_NODE_ID   (-103) /* NodeID of the DCF differs from Node_Id of the XML */
 #define CANOPEN_DCF_WRONG_BAUDRATE  (-104) /* not of CANopen, or DCF, XML, interface differ */
-#define CANOPEN_DCF_MISSING_SECTION (-105) /* a section that CiA 306 demands is missing */
-#define CANOPEN_DCF_MISSING_ENTRY   (-106) /* a keyword that CiA 306 demands is missing */
+#define CANOPEN_DCF_MISSING_SECTION (-105) /* there is no section: no EDS or DCF at all */
 #define CANOPEN_DCF_WRONG_PARAMETER (-107) /* a keyword has no value or no valid one */
 #define CANOPEN_DCF_OUT_OF_RANGE    (-108) /* a value does not fit its data type */
 #define CANOPEN_DCF_OUT_OF_LIMITS   (-109) /* a value is not between LowLimit and HighLimit */
-#define CANOPEN_DCF_DOUBLE_SECTION  (-110) /* a section occurs twice */
-#define CANOPEN_DCF_DOUBLE_KEYWORD  (-111) /* a keyword occurs twice in a section */
-#define CANOPEN_DCF_UNKNOWN_KEYWORD (-112) /* a keyword is not of CiA 306 */
 #define CANOPEN_DCF_WRONG_NET_NO    (-113) /* more networks than the library can drive */
 #define CANOPEN_DCF_WRONG_MODULE_NO (-114) /* a node-ID is not 1..127 */
+/* Defined so that programs compile. Real files have these faults, so the reader only warns: */
+#define CANOPEN_DCF_MISSING_ENTRY   (-106) /* a keyword that CiA 306 demands is missing */
+#define CANOPEN_DCF_DOUBLE_SECTION  (-110) /* a section occurs twice: the later value counts */
+#define CANOPEN_DCF_DOUBLE_KEYWORD  (-111) /* a keyword occurs twice: the later value counts */
+#define CANOPEN_DCF_UNKNOWN_KEYWORD (-112) /* a keyword is not of CiA 306: it is skipped */
 
 /* events --------------------------------------------------------------------------------------- */
 

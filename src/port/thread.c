@@ -115,11 +115,6 @@ void thread_join(struct co_thread *self)
     self->running = false;
 }
 
-bool thread_is_self(const struct co_thread *self)
-{
-    return self->running && pthread_equal(self->id, pthread_self());
-}
-
 enum co_err thread_set_priority(struct co_thread *self, int native)
 {
     struct sched_param parameters = { .sched_priority = native };

@@ -41,7 +41,6 @@ enum co_err thread_start(struct co_thread *self, const char *name, void *(*run)(
                          void *context);
 /* Waits for its end; nothing if it was never started. */
 void thread_join(struct co_thread *self);
-bool thread_is_self(const struct co_thread *self);
 /*
  * SCHED_FIFO with a native priority 1..99; 0: leave as it is. CO_ERR_PERMISSION without the right:
  * the thread runs on as before.

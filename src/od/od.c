@@ -12,10 +12,17 @@ void od_init(struct od *self)
     *self = (struct od){ .count = 0 };
 }
 
+static void free_bytes(const struct od_entry *entry, uint8_t *bytes)
+{
+    if (bytes != entry->small[0] && bytes != entry->small[1])
+        free(bytes);
+}
+
 static void free_entry(struct od_entry *entry)
 {
-    free(entry->value);
-    free(entry->initial);
+    if (!entry->referred)
+        free_bytes(entry, entry->value);
+    free_bytes(entry, entry->initial);
     free(entry->name);
     free(entry);
 }
@@ -105,8 +112,12 @@ static struct od_entry *new_entry(const struct od_spec *spec, uint32_t capacity)
                                 .capacity = capacity,
                                 .size = size,
                                 .initial_size = size };
-    entry->value = calloc(1, capacity);
-    entry->initial = calloc(1, size > 0 ? size : 1);
+    entry->value = entry->small[0];
+    entry->initial = entry->small[1];
+    if (fixed == 0) {
+        entry->value = calloc(1, capacity);
+        entry->initial = calloc(1, size > 0 ? size : 1);
+    }
     entry->name = spec->name ? strdup(spec->name) : NULL;
     if (!entry->value || !entry->initial || (spec->name && !entry->name)) {
         free_entry(entry);
@@ -203,30 +214,87 @@ sdo_abort_t od_set(struct od_entry *entry, const uint8_t *value, uint32_t size)
     return SDO_OK;
 }
 
+static void reset_entry(struct od_entry *entry)
+{
+    if (entry->referred) {
+        entry->value = entry->initial_value;
+        entry->capacity = entry->initial_capacity;
+    }
+    if (entry->initial && entry->initial_size > 0)
+        memcpy(entry->value, entry->initial, entry->initial_size);
+    entry->size = entry->initial_size;
+}
+
 void od_reset(struct od *self, uint16_t first, uint16_t last)
 {
     for (size_t i = lower_bound(self, first, 0); i < self->count; i++) {
-        struct od_entry *entry = self->entries[i];
-
-        if (entry->index > last)
+        if (self->entries[i]->index > last)
             return;
-        memcpy(entry->value, entry->initial, entry->initial_size);
-        entry->size = entry->initial_size;
+        reset_entry(self->entries[i]);
     }
+}
+
+/* Room for the power-on value; a number has it. */
+static bool make_initial(struct od_entry *entry, uint32_t size)
+{
+    uint8_t *initial;
+
+    if (size <= entry->initial_size && entry->initial)
+        return true;
+    initial = realloc(entry->initial, size > 0 ? size : 1);
+    if (!initial)
+        return false;
+    entry->initial = initial;
+    return true;
 }
 
 static bool store_entry(struct od_entry *entry)
 {
-    if (entry->size > entry->initial_size) {
-        uint8_t *initial = realloc(entry->initial, entry->size);
-
-        if (!initial)
-            return false;
-        entry->initial = initial;
-    }
-    memcpy(entry->initial, entry->value, entry->size);
+    if (od_type_size(entry->type) == 0 && !make_initial(entry, entry->size))
+        return false;
+    if (entry->size > 0)
+        memcpy(entry->initial, entry->value, entry->size);
     entry->initial_size = entry->size;
     return true;
+}
+
+static bool can_be_written(const struct od_entry *entry)
+{
+    return entry->access != OD_RO && entry->access != OD_CONST;
+}
+
+/* Of bytes that nobody writes, and of domains, no copy is kept. */
+static bool keep_initial(struct od_entry *entry, const uint8_t *bytes, uint32_t size)
+{
+    if (entry->type == OD_DOMAIN || !can_be_written(entry)) {
+        free_bytes(entry, entry->initial);
+        entry->initial = NULL;
+        return true;
+    }
+    if (!make_initial(entry, size))
+        return false;
+    if (size > 0)
+        memcpy(entry->initial, bytes, size);
+    return true;
+}
+
+enum co_err od_refer(struct od_entry *entry, uint8_t *bytes, uint32_t size, uint32_t capacity,
+                     bool initial)
+{
+    if (initial && !keep_initial(entry, bytes, size))
+        return CO_ERR_MEMORY;
+    if (initial) {
+        entry->initial_value = bytes;
+        entry->initial_capacity = capacity;
+        entry->initial_size = size;
+    }
+    if (!entry->referred)
+        free_bytes(entry, entry->value);
+    entry->referred = true;
+    entry->value = bytes;
+    entry->size = size;
+    entry->capacity = capacity;
+    return CO_OK;
 }
 
 enum co_err od_store(struct od *self, uint16_t first, uint16_t last)

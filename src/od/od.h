@@ -5,7 +5,8 @@
  *   out  values, or the abort code that CiA 301 gives for the refusal
  *
  * Values are kept as they travel: little-endian bytes, numbers with exactly the size of their type.
- * Entries are found by index and sub-index; their addresses stay valid until od_done().
+ * Entries are found by index and sub-index; their addresses stay valid until od_done(). A string or
+ * domain may live in memory of the application (od_refer()).
  *
  *   owner    a local device
  *   locking  none; the owner's
@@ -51,6 +52,8 @@ enum od_type {
 
 enum od_access { OD_RO, OD_WO, OD_RW, OD_RWR, OD_RWW, OD_CONST };
 
+#define OD_SMALL 8u /* bytes of the longest number */
+
 struct od_entry {
     uint16_t index;
     uint8_t sub;
@@ -58,15 +61,25 @@ struct od_entry {
     uint8_t access; /* enum od_access */
     bool mappable;
     bool has_low, has_high;
+    bool referred;      /* the value's bytes are the application's */
+    bool watched;       /* the application is to be asked before a client's value is stored, and
+                           for new data of a TPDO */
+    uint16_t map_max;   /* how many PDOs it may be in; 0: any number */
+    uint16_t map_count; /* how many it is in */
+    uint32_t frozen;    /* bits of a number that clients cannot change */
     /* Of the type's own sign: unsigned types as uint64_t in the same bits; REAL32 and REAL64: the
      * bits of the value in the type's own format. */
     int64_t low, high;
     uint32_t capacity; /* most bytes a value may have; the type's size for numbers */
     uint32_t size;     /* bytes of the present value */
     uint8_t *value;
-    uint32_t initial_size; /* the power-on value, what a reset brings back */
-    uint8_t *initial;
-    char *name; /* ParameterName, or NULL */
+    uint32_t initial_size;      /* the power-on value, what a reset brings back */
+    uint8_t *initial;           /* NULL: the bytes a reset brings back are those at initial_value */
+    uint8_t *initial_value;     /* referred: where the value was to begin with */
+    uint32_t initial_capacity;  /* ... and how much room was there */
+    uint8_t small[2][OD_SMALL]; /* value and initial of a number */
+    char *name;                 /* ParameterName, or NULL */
+    void *owner;                /* what the owner of the dictionary keeps with it; NULL */
 };
 
 struct od {
@@ -102,6 +115,13 @@ enum co_err od_add_number(struct od *self, uint16_t index, uint8_t sub, uint8_t 
 
 struct od_entry *od_find(const struct od *self, uint16_t index, uint8_t sub);
 bool od_has_object(const struct od *self, uint16_t index);
+
+/*
+ * From now on the value is 'size' bytes in the application's memory, which has room for 'capacity'.
+ * 'initial': they are the power-on value, too. For strings and domains. CO_ERR_MEMORY
+ */
+enum co_err od_refer(struct od_entry *entry, uint8_t *bytes, uint32_t size, uint32_t capacity,
+                     bool initial);
 
 /* The number in an entry (the first 8 bytes of a longer one); 'missing' if there is none. */
 uint64_t od_number(const struct od *self, uint16_t index, uint8_t sub, uint64_t missing);

@@ -48,7 +48,8 @@ static bool is_base_frame(uint64_t cob_id)
 
 bool slave_is_default(const struct od_entry *entry, const uint8_t *value, uint32_t size)
 {
-    return entry->initial_size == size && size > 0 && memcmp(entry->initial, value, size) == 0;
+    return entry->initial != NULL && entry->initial_size == size && size > 0 &&
+           memcmp(entry->initial, value, size) == 0;
 }
 
 /* Some devices come with identifiers that nobody may give them. */
@@ -254,6 +255,8 @@ sdo_abort_t slave_check_write(const struct slave_write *write)
 {
     const uint16_t index = write->entry->index;
 
+    if (changes(write, write->entry->frozen))
+        return SDO_INVALID_VALUE;
     for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++)
         if (index >= rules[i].first && index <= rules[i].last)
             return rules[i].check(write);

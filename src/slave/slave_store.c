@@ -39,12 +39,18 @@ void slave_free_factory(struct slave *self)
     self->factory = NULL;
 }
 
+/* Of bytes in the application's memory some have no copy: they are what they are. */
+static uint32_t kept_size(const struct od_entry *entry)
+{
+    return entry->initial != NULL ? entry->initial_size : 0;
+}
+
 static size_t initial_bytes(const struct od *od)
 {
     size_t bytes = 0;
 
     for (size_t i = 0; i < od->count; i++)
-        bytes += od->entries[i]->initial_size;
+        bytes += kept_size(od->entries[i]);
     return bytes;
 }
 
@@ -56,9 +62,9 @@ static void copy_defaults(struct slave_factory *factory, const struct od *od)
         struct od_entry *entry = od->entries[i];
 
         factory->values[i] = (struct default_value){ entry, entry->initial_size, bytes };
-        if (entry->initial_size > 0)
+        if (kept_size(entry) > 0)
             memcpy(bytes, entry->initial, entry->initial_size);
-        bytes += entry->initial_size;
+        bytes += kept_size(entry);
     }
     factory->count = od->count;
 }
@@ -174,7 +180,7 @@ static void load(struct slave *self, enum group group)
 
         if (value->entry->index < first || value->entry->index > last)
             continue;
-        if (value->size > 0)
+        if (value->entry->initial != NULL && value->size > 0)
             memcpy(value->entry->value, value->bytes, value->size);
         value->entry->size = value->size;
     }

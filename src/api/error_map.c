@@ -44,6 +44,8 @@ int error_of_xml(enum co_err err)
 
 int error_of_bus(enum co_err err)
 {
+    if (err == CO_ERR_VALUE) /* not as the slaves of this process have it */
+        return MCAL_PARA_ERROR;
     return error_of(err, err == CO_ERR_BITRATE ? CANOPEN_DCF_WRONG_BAUDRATE : MCAL_SYS_ERROR);
 }
 

@@ -1,8 +1,10 @@
 #include "api/log.h"
 
+#include "api/callback.h"
 #include "mcanopen.h"
 
 #include <pthread.h>
+#include <stdbool.h>
 #include <stdio.h>
 
 static struct {
@@ -12,11 +14,6 @@ static struct {
 } hook_slot = { .lock = PTHREAD_MUTEX_INITIALIZER };
 
 static _Thread_local bool in_hook;
-
-bool log_in_hook(void)
-{
-    return in_hook;
-}
 
 int mcanOpenSetLog(MCANOPEN_LOG_T hook, void *context)
 {
@@ -53,7 +50,9 @@ void log_put(enum co_severity severity, const char *text)
     pthread_mutex_unlock(&hook_slot.lock);
     if (hook && !in_hook) { /* what a hook causes does not come back to it */
         in_hook = true;
+        callback_begin();
         hook(context, level_of(severity), text);
+        callback_end();
         in_hook = false;
     } else if (severity != CO_INFO) {
         fprintf(stderr, "%s\n", text);

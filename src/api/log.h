@@ -8,13 +8,9 @@
 
 #include "base/report.h"
 
-#include <stdbool.h>
-
 void log_put(enum co_severity severity, const char *text);
 /* A sink for struct co_report; the context is not used. */
 void log_sink(void *context, enum co_severity severity, const char *text);
-/* True while this thread runs the hook: a call that waits must not be made then. */
-bool log_in_hook(void);
 /* Back to stderr. */
 void log_reset(void);
 

@@ -4,8 +4,10 @@
 #include "api/error_map.h"
 #include "api/load.h"
 #include "api/log.h"
+#include "api/nets.h"
 #include "api/registry.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -28,9 +30,21 @@ int mcanOpenInitialize(void)
     return result;
 }
 
+/* No event of the network comes any more. */
+static void leave_network(struct managed *self)
+{
+    if (self->placed)
+        network_remove(self->network, self->config->manager_node_id);
+    self->placed = false;
+    if (self->network)
+        nets_silence(self->config->net, NET_MANAGER);
+}
+
 static void close_managed(struct managed *self)
 {
-    network_close(self->network);
+    leave_network(self);
+    if (self->network)
+        nets_close(self->config->net, NET_MANAGER);
     if (self->manager)
         manager_done(self->manager);
     free(self->manager);
@@ -47,18 +61,37 @@ static void close_all(struct registry *self)
     self->config_count = 0;
 }
 
+/* A local slave may have its node-ID. */
+static enum co_err take_place(struct managed *self, char *message, size_t size)
+{
+    const uint8_t node = self->config->manager_node_id;
+    const enum co_err err = network_add(self->network, node, control_on_event, self);
+
+    if (err != CO_OK) {
+        snprintf(message, size, "Manager_Node_Id: %u is the node-ID of a slave of this process",
+                 node);
+        return CO_ERR_VALUE;
+    }
+    network_set_manager(self->network, node, self->manager);
+    self->placed = true;
+    return CO_OK;
+}
+
 static int open_bus(struct managed *self, struct co_report *report)
 {
     char bus[64], message[CO_REPORT_TEXT_SIZE] = "";
-    struct network_options options = {
-        .bus = bus, .bitrate = self->config->baudrate, .sink = control_on_event, .context = self
-    };
+    const struct net_order order = { .number = self->config->net,
+                                     .user = NET_MANAGER,
+                                     .bus = bus,
+                                     .bitrate = self->config->baudrate,
+                                     .sink = control_on_event,
+                                     .context = self };
     enum co_err err;
 
     load_bus_name(self->config, bus, sizeof bus);
-    err = network_open(&options, &self->network, message, sizeof message);
+    err = nets_open(&order, &self->network, message, sizeof message);
     if (err == CO_OK)
-        err = network_add_manager(self->network, self->manager);
+        err = take_place(self, message, sizeof message);
     if (err != CO_OK)
         co_report_add(report, CO_ERROR, self->config->line, "%s",
                       message[0] ? message : co_err_text(err));
@@ -184,7 +217,7 @@ static void end_calls(const struct managed *self)
 
     manager_shut(self->manager, now, out);
     network_leave(self->network, self->config->manager_node_id);
-    network_shut(self->network);
+    network_retire(self->network, self->config->manager_node_id);
 }
 
 /* First the calls that wait, then the threads, then what they worked on. */
@@ -196,10 +229,23 @@ static void shut_down(struct registry *self)
         end_calls(&self->networks[i]);
     registry_expel();
     for (size_t i = 0; i < self->network_count; i++)
-        network_stop(self->networks[i].network);
+        leave_network(&self->networks[i]);
     event_queue_close(&self->logs);
     thread_join(&self->control);
     close_all(self);
+}
+
+static bool switch_on(struct managed *self)
+{
+    struct co_outbox *out;
+    co_us_t now;
+
+    if (network_run(self->network) != CO_OK)
+        return false;
+    out = network_enter(self->network, &now);
+    manager_start(self->manager, now, out);
+    network_leave(self->network, self->config->manager_node_id);
+    return true;
 }
 
 /* Calls that an event of the first network brings about are let in before the last one runs. */
@@ -209,7 +255,7 @@ static bool start_threads(struct registry *self)
         return false;
     registry_set_state(REGISTRY_RUNNING);
     for (size_t i = 0; i < self->network_count; i++)
-        if (network_start(self->networks[i].network) != CO_OK)
+        if (!switch_on(&self->networks[i]))
             return false;
     return true;
 }

@@ -1,6 +1,6 @@
 #include "mcanopen.h"
 
-#include "api/log.h"
+#include "api/callback.h"
 #include "api/registry.h"
 
 static EVENT_T lost_event(unsigned lost)
@@ -36,7 +36,7 @@ int mcanOpenEvent(EVENT_T *event, int wait)
 
     if (!event || (wait != 0 && wait != 1))
         return MCAL_PARA_ERROR;
-    if (wait && log_in_hook())
+    if (wait && callback_running())
         return MCAL_UNSUPPORTED;
     result = registry_enter_events(&queue);
     if (result != MCANOPEN_OK)

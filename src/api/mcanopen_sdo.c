@@ -1,7 +1,7 @@
 #include "mcanopen.h"
 
+#include "api/callback.h"
 #include "api/error_map.h"
-#include "api/log.h"
 #include "api/registry.h"
 
 #include <limits.h>
@@ -18,7 +18,7 @@ struct call { /* what both directions have in common */
 
 static int check(const struct call *call)
 {
-    if (log_in_hook())
+    if (callback_running())
         return MCAL_UNSUPPORTED;
     if (call->node < 1 || call->node > (int)NMT_NODE_MAX || call->index < 0 ||
         call->index > UINT16_MAX || call->sub < 0 || call->sub > UINT8_MAX)

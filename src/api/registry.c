@@ -1,6 +1,6 @@
 #include "api/registry.h"
 
-#include "api/log.h"
+#include "api/callback.h"
 
 static struct registry registry = { .lock = PTHREAD_MUTEX_INITIALIZER,
                                     .idle = PTHREAD_COND_INITIALIZER };
@@ -85,8 +85,8 @@ struct registry *registry_begin_change(enum registry_state *ret_state, int *ret_
 {
     struct registry *self = NULL;
 
-    *ret_result = log_in_hook() ? MCAL_UNSUPPORTED : MCAL_SYS_ERROR;
-    if (log_in_hook())
+    *ret_result = callback_running() ? MCAL_UNSUPPORTED : MCAL_SYS_ERROR;
+    if (callback_running())
         return NULL;
     pthread_mutex_lock(&registry.lock);
     if (!registry.changing) {

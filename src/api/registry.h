@@ -16,6 +16,7 @@
 struct managed {                         /* one network with its manager */
     const struct network_config *config; /* a part of the registry's */
     struct network *network;
+    bool placed; /* the manager is on it */
     struct manager *manager;
     struct registry *registry;
 };

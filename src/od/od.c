@@ -92,6 +92,17 @@ static bool plan_capacity(const struct od_spec *spec, uint32_t *ret_capacity)
     return size <= *ret_capacity;
 }
 
+/* Numbers lie within their entry. */
+static void take_bytes(struct od_entry *entry)
+{
+    entry->value = entry->small[0];
+    entry->initial = entry->small[1];
+    if (od_type_size(entry->type) != 0)
+        return;
+    entry->value = calloc(1, entry->capacity);
+    entry->initial = calloc(1, entry->size > 0 ? entry->size : 1);
+}
+
 static struct od_entry *new_entry(const struct od_spec *spec, uint32_t capacity)
 {
     uint32_t fixed = od_type_size(spec->type);
@@ -112,12 +123,7 @@ static struct od_entry *new_entry(const struct od_spec *spec, uint32_t capacity)
                                 .capacity = capacity,
                                 .size = size,
                                 .initial_size = size };
-    entry->value = entry->small[0];
-    entry->initial = entry->small[1];
-    if (fixed == 0) {
-        entry->value = calloc(1, capacity);
-        entry->initial = calloc(1, size > 0 ? size : 1);
-    }
+    take_bytes(entry);
     entry->name = spec->name ? strdup(spec->name) : NULL;
     if (!entry->value || !entry->initial || (spec->name && !entry->name)) {
         free_entry(entry);

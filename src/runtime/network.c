@@ -1,50 +1,12 @@
 #include "runtime/network.h"
 
 #include "port/clock.h"
-#include "runtime/tx_queue.h"
+#include "runtime/network_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#define OUT_FRAMES 512u
-#define OUT_EVENTS 512u
-#define RX_BURST   64u        /* frames handled before the lock is given once */
-#define TX_RETRY   CO_MS(1)   /* the bus had no room */
-#define BUS_RETRY  CO_MS(100) /* it is down, or off, or refuses */
-#define TELL_PAUSE CO_MS(1000)
-#define REFUSED                                                                                    \
-    CO_MS(1000) /* the bus says that it is well and refuses frames: until the next try */
-
-/* What a manager and a slave have in common: the machine's form. */
-struct device {
-    uint8_t node;
-    struct slave *slave; /* one of these two */
-    struct manager *manager;
-};
-
-struct network {
-    struct co_lock lock;
-    struct co_condition changed;
-    struct co_thread thread;
-    struct bus *bus;
-    struct network_options options;
-    struct device devices[NMT_NODE_MAX + 1];
-    unsigned device_count;
-    bool closing;
-    struct co_outbox out; /* of the device being run */
-    struct co_frame out_frames[OUT_FRAMES];
-    struct co_event out_events[OUT_EVENTS];
-    struct tx_queue tx;
-    co_us_t tx_retry; /* CO_NEVER: nothing waits */
-    co_us_t tx_tell;  /* when losses may be told again */
-    bool busy_told;
-    bool receive_fails;
-    co_us_t refused_until;    /* 0: it takes frames */
-    enum bus_state bus_state; /* as told */
-    unsigned outages;         /* of the bus, as last seen */
-    bool has_events;          /* since the last signal of changed */
-    co_us_t last_frame;       /* time of the frame delivered last */
-};
+#define RX_BURST 64u /* frames handled before the lock is given once */
 
 /* --- devices --- */
 
@@ -52,7 +14,7 @@ static void device_start(const struct device *self, co_us_t now, struct co_outbo
 {
     if (self->manager)
         manager_start(self->manager, now, out);
-    else
+    else if (self->slave)
         slave_start(self->slave, now, out);
 }
 
@@ -61,7 +23,7 @@ static void device_on_frame(const struct device *self, const struct co_frame *fr
 {
     if (self->manager)
         manager_on_frame(self->manager, frame, now, out);
-    else
+    else if (self->slave)
         slave_on_frame(self->slave, frame, now, out);
 }
 
@@ -69,137 +31,23 @@ static void device_on_time(const struct device *self, co_us_t now, struct co_out
 {
     if (self->manager)
         manager_on_time(self->manager, now, out);
-    else
+    else if (self->slave)
         slave_on_time(self->slave, now, out);
 }
 
 static co_us_t device_deadline(const struct device *self)
 {
-    return self->manager ? manager_deadline(self->manager) : slave_deadline(self->slave);
+    if (self->manager)
+        return manager_deadline(self->manager);
+    return self->slave ? slave_deadline(self->slave) : CO_NEVER;
 }
 
-/* --- sending --- */
-
-static void tell(struct network *self, struct co_event event)
+struct device *network_device(struct network *self, uint8_t node)
 {
-    self->has_events = true;
-    if (self->options.sink)
-        self->options.sink(self->options.context, self, &event);
-}
-
-static bool is_lost(enum bus_state state)
-{
-    return state == BUS_OFF || state == BUS_DOWN;
-}
-
-/* False: the bus does not keep up, or is lost, or refuses. */
-static bool send_frame(struct network *self, const struct co_frame *frame, co_us_t now)
-{
-    enum co_err err = bus_send(self->bus, frame);
-
-    if (err == CO_OK)
-        self->refused_until = 0;
-    else if (err != CO_ERR_AGAIN && !is_lost(bus_get_state(self->bus)))
-        self->refused_until = now + REFUSED;
-    if (err == CO_ERR_AGAIN && !self->busy_told) {
-        self->busy_told = true;
-        tell(self, (struct co_event){ .type = RUNTIME_BUSY });
-    }
-    return err == CO_OK;
-}
-
-/* Frames wait only while the bus does not keep up; then the most urgent one is first. */
-static void put_frame(struct network *self, const struct co_frame *frame, co_us_t now)
-{
-    if (tx_queue_first(&self->tx) != NULL || !send_frame(self, frame, now))
-        tx_queue_put(&self->tx, frame, now);
-}
-
-/* Takes what a device has put out; a full queue costs frames, with a count, never time. */
-static void drain(struct network *self, uint8_t node, co_us_t now)
-{
-    struct co_frame frame;
-    struct co_event event;
-
-    while (co_outbox_take_frame(&self->out, &frame)) {
-        frame.tag = node;
-        put_frame(self, &frame, now);
-    }
-    while (co_outbox_take_event(&self->out, &event))
-        tell(self, event);
-}
-
-static void tell_lost(struct network *self, co_us_t now)
-{
-    if (self->tx.lost == 0 || now < self->tx_tell)
-        return;
-    self->tx_tell = now + TELL_PAUSE;
-    tell(self, (struct co_event){ .type = RUNTIME_UNSENT,
-                                  .detail = (uint8_t)self->bus_state,
-                                  .actual = tx_queue_take_lost(&self->tx) });
-}
-
-/* The managers end what they are doing: what they wanted to send must not come later. */
-static void tell_managers(struct network *self, bool up, co_us_t now)
-{
-    if (!up)
-        tx_queue_lose_all(&self->tx);
-    for (unsigned i = 0; i < self->device_count; i++) {
-        if (!self->devices[i].manager)
-            continue;
-        manager_on_bus(self->devices[i].manager, up, now, &self->out);
-        drain(self, self->devices[i].node, now);
-    }
-}
-
-static void change_state(struct network *self, enum bus_state state, co_us_t now)
-{
-    enum bus_state before = self->bus_state;
-
-    if (state == before)
-        return;
-    self->bus_state = state;
-    tell(self, (struct co_event){ .type = RUNTIME_BUS_STATE, .detail = (uint8_t)state });
-    if (is_lost(before) != is_lost(state))
-        tell_managers(self, !is_lost(state), now);
-}
-
-/* A connection that was lost and is back before anybody has looked was lost all the same. */
-static void look_at_bus(struct network *self, co_us_t now)
-{
-    enum bus_state state = bus_get_state(self->bus);
-    unsigned outages = bus_outages(self->bus);
-
-    if (now >= self->refused_until)
-        self->refused_until = 0;
-    if ((self->refused_until > 0 || self->receive_fails) && !is_lost(state))
-        state = BUS_DOWN;
-    if (outages != self->outages && !is_lost(state) && !is_lost(self->bus_state))
-        change_state(self, BUS_DOWN, now);
-    self->outages = outages;
-    change_state(self, state, now);
-}
-
-static void send_frames(struct network *self, co_us_t now)
-{
-    const struct co_frame *frame;
-
-    while ((frame = tx_queue_first(&self->tx)) != NULL) {
-        if (send_frame(self, frame, now))
-            tx_queue_sent(&self->tx);
-        else if (!tx_queue_give_up(&self->tx, now))
-            return;
-    }
-}
-
-static void flush_tx(struct network *self, co_us_t now)
-{
-    send_frames(self, now);
-    look_at_bus(self, now);
-    self->tx_retry = CO_NEVER;
-    if (tx_queue_first(&self->tx) != NULL)
-        self->tx_retry = now + (is_lost(self->bus_state) ? BUS_RETRY : TX_RETRY);
-    tell_lost(self, now);
+    for (unsigned i = 0; i < self->device_count; i++)
+        if (self->devices[i].node == node)
+            return &self->devices[i];
+    return NULL;
 }
 
 /* --- the protocol thread --- */
@@ -217,7 +65,7 @@ static void deliver(struct network *self, const struct bus_rx *rx)
         if (sent_here && frame.tag == device->node)
             frame.flags |= CO_FRAME_OWN;
         device_on_frame(device, &frame, rx->time, &self->out);
-        drain(self, device->node, rx->time);
+        network_drain(self, device, rx->time);
     }
 }
 
@@ -231,7 +79,7 @@ static bool receive_burst(struct network *self)
         if (err != CO_OK)
             break;
         if (rx.lost)
-            tell(self, (struct co_event){ .type = RUNTIME_FRAMES_LOST, .actual = rx.lost });
+            network_tell(self, (struct co_event){ .type = RUNTIME_FRAMES_LOST, .actual = rx.lost });
         self->last_frame = rx.time;
         deliver(self, &rx);
     }
@@ -247,7 +95,7 @@ static void run_due(struct network *self, co_us_t now)
         if (device_deadline(device) > now)
             continue;
         device_on_time(device, now, &self->out);
-        drain(self, device->node, now);
+        network_drain(self, device, now);
     }
 }
 
@@ -300,7 +148,7 @@ static void *run(void *context)
          * already must not be taken for missing. */
         now = more ? self->last_frame : clock_now();
         run_due(self, now);
-        flush_tx(self, now);
+        network_flush(self, now);
         deadline = next_deadline(self);
         signal_changes(self);
         closing = self->closing;
@@ -400,24 +248,72 @@ void network_close(struct network *self)
     free(self);
 }
 
-static enum co_err add_device(struct network *self, struct device device)
+enum co_err network_add(struct network *self, uint8_t node, network_sink_fn sink, void *context)
 {
-    for (unsigned i = 0; i < self->device_count; i++)
-        if (self->devices[i].node == device.node)
-            return CO_ERR_EXISTS;
-    self->devices[self->device_count++] = device;
-    return CO_OK;
+    enum co_err err = CO_ERR_EXISTS;
+
+    lock_take(&self->lock);
+    if (!network_device(self, node)) {
+        self->devices[self->device_count++] = (struct device){ .node = node,
+                                                               .sink = sink,
+                                                               .context = context };
+        err = CO_OK;
+    }
+    lock_give(&self->lock);
+    return err;
+}
+
+void network_set_slave(struct network *self, uint8_t node, struct slave *slave)
+{
+    network_device(self, node)->slave = slave;
+}
+
+void network_set_manager(struct network *self, uint8_t node, struct manager *manager)
+{
+    network_device(self, node)->manager = manager;
 }
 
 enum co_err network_add_slave(struct network *self, struct slave *slave)
 {
-    return add_device(self, (struct device){ .node = slave->node, .slave = slave });
+    const enum co_err err = network_add(self, slave->node, self->options.sink,
+                                        self->options.context);
+
+    if (err == CO_OK)
+        network_set_slave(self, slave->node, slave);
+    return err;
 }
 
 enum co_err network_add_manager(struct network *self, struct manager *manager)
 {
-    return add_device(
-        self, (struct device){ .node = manager->config->manager_node_id, .manager = manager });
+    const uint8_t node = manager->config->manager_node_id;
+    const enum co_err err = network_add(self, node, self->options.sink, self->options.context);
+
+    if (err == CO_OK)
+        network_set_manager(self, node, manager);
+    return err;
+}
+
+void network_retire(struct network *self, uint8_t node)
+{
+    lock_take(&self->lock);
+    network_device(self, node)->retired = true;
+    condition_signal(&self->changed);
+    lock_give(&self->lock);
+}
+
+void network_remove(struct network *self, uint8_t node)
+{
+    struct device *device;
+
+    lock_take(&self->lock);
+    device = network_device(self, node);
+    *device = self->devices[--self->device_count];
+    lock_give(&self->lock);
+}
+
+enum co_err network_run(struct network *self)
+{
+    return self->thread.running ? CO_OK : thread_start(&self->thread, "mcanopen", run, self);
 }
 
 enum co_err network_start(struct network *self)
@@ -428,11 +324,11 @@ enum co_err network_start(struct network *self)
     now = clock_now();
     for (unsigned i = 0; i < self->device_count; i++) {
         device_start(&self->devices[i], now, &self->out);
-        drain(self, self->devices[i].node, now);
+        network_drain(self, &self->devices[i], now);
     }
-    flush_tx(self, now);
+    network_flush(self, now);
     lock_give(&self->lock);
-    return thread_start(&self->thread, "mcanopen", run, self);
+    return network_run(self);
 }
 
 enum co_err network_set_priority(struct network *self, int native)
@@ -475,9 +371,11 @@ struct co_outbox *network_enter(struct network *self, co_us_t *ret_now)
 static bool send_out(struct network *self, uint8_t node)
 {
     const co_us_t now = clock_now();
+    const struct device nobody = { .node = node };
+    const struct device *device = network_device(self, node);
 
-    drain(self, node, now);
-    flush_tx(self, now);
+    network_drain(self, device ? device : &nobody, now);
+    network_flush(self, now);
     bus_wake(self->bus); /* deadlines may have changed */
     return signal_changes(self);
 }
@@ -491,8 +389,9 @@ void network_leave(struct network *self, uint8_t node)
 enum co_err network_wait(struct network *self, uint8_t node, co_us_t deadline)
 {
     bool has_news = send_out(self, node);
+    const struct device *device = network_device(self, node);
 
-    if (self->closing)
+    if (self->closing || (device && device->retired))
         return CO_ERR_STATE;
     if (has_news) /* by ourselves: no signal will come for it */
         return CO_OK;

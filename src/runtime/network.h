@@ -33,10 +33,10 @@ typedef void (*network_sink_fn)(void *context, struct network *network,
                                 const struct co_event *event);
 
 struct network_options {
-    const char *bus;    /* see port/bus.h */
-    struct bus *opened; /* used in its place, and closed with the network; NULL: none */
-    unsigned bitrate;   /* kbit/s */
-    network_sink_fn sink;
+    const char *bus;      /* see port/bus.h */
+    struct bus *opened;   /* used in its place, and closed with the network; NULL: none */
+    unsigned bitrate;     /* kbit/s */
+    network_sink_fn sink; /* gets what is about the network as a whole: RUNTIME_... */
     void *context;
 };
 
@@ -53,7 +53,22 @@ void network_stop(struct network *self);
  */
 void network_close(struct network *self);
 
-/* Before network_start(). CO_ERR_EXISTS: the node-ID is in use; CO_ERR_MEMORY. */
+/*
+ * A place for a device, whose events go to a sink of its own. At any time. CO_ERR_EXISTS: the
+ * node-ID is in use.
+ */
+enum co_err network_add(struct network *self, uint8_t node, network_sink_fn sink, void *context);
+/* Between enter and leave: the device of that place; NULL: none. */
+void network_set_slave(struct network *self, uint8_t node, struct slave *slave);
+void network_set_manager(struct network *self, uint8_t node, struct manager *manager);
+/* Ends what waits in network_wait() for this place, now and from now on. */
+void network_retire(struct network *self, uint8_t node);
+/* Nobody may wait for the place any more; no event of it comes any more. */
+void network_remove(struct network *self, uint8_t node);
+/* Starts the thread, if it does not run yet. CO_ERR_MEMORY */
+enum co_err network_run(struct network *self);
+
+/* For networks with one owner: a place with its device and the network's sink; as network_add(). */
 enum co_err network_add_slave(struct network *self, struct slave *slave);
 enum co_err network_add_manager(struct network *self, struct manager *manager);
 /* Powers the devices on, in the order they were added, and starts the thread. CO_ERR_MEMORY */
@@ -75,7 +90,7 @@ bool network_takes(const struct network *self, uint32_t can_id);
 enum bus_state network_bus_state(const struct network *self);
 /*
  * Between enter and leave: waits until something has happened in the network, or the deadline.
- * CO_ERR_TIMEOUT; CO_ERR_STATE: the network is being closed.
+ * CO_ERR_TIMEOUT; CO_ERR_STATE: the network is being closed, or the device's place retired.
  */
 enum co_err network_wait(struct network *self, uint8_t node, co_us_t deadline);
 

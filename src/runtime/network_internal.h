@@ -1,0 +1,58 @@
+/*
+ * What the files of runtime/network*.c share.
+ */
+#ifndef CO_RUNTIME_NETWORK_INTERNAL_H
+#define CO_RUNTIME_NETWORK_INTERNAL_H
+
+#include "runtime/network.h"
+#include "runtime/tx_queue.h"
+
+#define OUT_FRAMES 1024u
+#define OUT_EVENTS 1024u
+
+/* A place on the network: a manager or a slave, or neither yet. */
+struct device {
+    uint8_t node;
+    bool retired;        /* nobody waits on it any more */
+    struct slave *slave; /* one of these two, or none */
+    struct manager *manager;
+    network_sink_fn sink;
+    void *context;
+};
+
+struct network {
+    struct co_lock lock;
+    struct co_condition changed;
+    struct co_thread thread;
+    struct bus *bus;
+    struct network_options options;
+    struct device devices[NMT_NODE_MAX + 1];
+    unsigned device_count;
+    bool closing;
+    struct co_outbox out; /* of the device being run */
+    struct co_frame out_frames[OUT_FRAMES];
+    struct co_event out_events[OUT_EVENTS];
+    struct tx_queue tx;
+    co_us_t tx_retry; /* CO_NEVER: nothing waits */
+    co_us_t tx_tell;  /* when losses may be told again */
+    bool busy_told;
+    bool receive_fails;
+    co_us_t refused_until;    /* 0: it takes frames */
+    enum bus_state bus_state; /* as told */
+    unsigned outages;         /* of the bus, as last seen */
+    bool has_events;          /* since the last signal of changed */
+    co_us_t last_frame;       /* time of the frame delivered last */
+};
+
+/* network.c */
+struct device *network_device(struct network *self, uint8_t node);
+
+/* network_send.c */
+/* To the network's sink. */
+void network_tell(struct network *self, struct co_event event);
+/* Sends what this device has put out, and tells its events. */
+void network_drain(struct network *self, const struct device *device, co_us_t now);
+/* Sends what waits, looks at the bus, and tells what is to be told. */
+void network_flush(struct network *self, co_us_t now);
+
+#endif

@@ -1,0 +1,132 @@
+#include "runtime/network_internal.h"
+
+#define TX_RETRY   CO_MS(1)   /* the bus had no room */
+#define BUS_RETRY  CO_MS(100) /* it is down, or off, or refuses */
+#define TELL_PAUSE CO_MS(1000)
+#define REFUSED                                                                                    \
+    CO_MS(1000) /* the bus says that it is well and refuses frames: until the next try */
+
+void network_tell(struct network *self, struct co_event event)
+{
+    self->has_events = true;
+    if (self->options.sink)
+        self->options.sink(self->options.context, self, &event);
+}
+
+static bool is_lost(enum bus_state state)
+{
+    return state == BUS_OFF || state == BUS_DOWN;
+}
+
+/* False: the bus does not keep up, or is lost, or refuses. */
+static bool send_frame(struct network *self, const struct co_frame *frame, co_us_t now)
+{
+    enum co_err err = bus_send(self->bus, frame);
+
+    if (err == CO_OK)
+        self->refused_until = 0;
+    else if (err != CO_ERR_AGAIN && !is_lost(bus_get_state(self->bus)))
+        self->refused_until = now + REFUSED;
+    if (err == CO_ERR_AGAIN && !self->busy_told) {
+        self->busy_told = true;
+        network_tell(self, (struct co_event){ .type = RUNTIME_BUSY });
+    }
+    return err == CO_OK;
+}
+
+/* Frames wait only while the bus does not keep up; then the most urgent one is first. */
+static void put_frame(struct network *self, const struct co_frame *frame, co_us_t now)
+{
+    if (tx_queue_first(&self->tx) != NULL || !send_frame(self, frame, now))
+        tx_queue_put(&self->tx, frame, now);
+}
+
+/* Takes what a device has put out; a full queue costs frames, with a count, never time. */
+void network_drain(struct network *self, const struct device *device, co_us_t now)
+{
+    struct co_frame frame;
+    struct co_event event;
+
+    while (co_outbox_take_frame(&self->out, &frame)) {
+        frame.tag = device->node;
+        put_frame(self, &frame, now);
+    }
+    while (co_outbox_take_event(&self->out, &event)) {
+        self->has_events = true;
+        if (device->sink)
+            device->sink(device->context, self, &event);
+    }
+}
+
+static void tell_lost(struct network *self, co_us_t now)
+{
+    if (self->tx.lost == 0 || now < self->tx_tell)
+        return;
+    self->tx_tell = now + TELL_PAUSE;
+    network_tell(self, (struct co_event){ .type = RUNTIME_UNSENT,
+                                          .detail = (uint8_t)self->bus_state,
+                                          .actual = tx_queue_take_lost(&self->tx) });
+}
+
+/* The managers end what they are doing: what they wanted to send must not come later. */
+static void tell_managers(struct network *self, bool up, co_us_t now)
+{
+    if (!up)
+        tx_queue_lose_all(&self->tx);
+    for (unsigned i = 0; i < self->device_count; i++) {
+        if (!self->devices[i].manager)
+            continue;
+        manager_on_bus(self->devices[i].manager, up, now, &self->out);
+        network_drain(self, &self->devices[i], now);
+    }
+}
+
+static void change_state(struct network *self, enum bus_state state, co_us_t now)
+{
+    enum bus_state before = self->bus_state;
+
+    if (state == before)
+        return;
+    self->bus_state = state;
+    network_tell(self, (struct co_event){ .type = RUNTIME_BUS_STATE, .detail = (uint8_t)state });
+    if (is_lost(before) != is_lost(state))
+        tell_managers(self, !is_lost(state), now);
+}
+
+/* A connection that was lost and is back before anybody has looked was lost all the same. */
+static void look_at_bus(struct network *self, co_us_t now)
+{
+    enum bus_state state = bus_get_state(self->bus);
+    unsigned outages = bus_outages(self->bus);
+
+    if (now >= self->refused_until)
+        self->refused_until = 0;
+    if ((self->refused_until > 0 || self->receive_fails) && !is_lost(state))
+        state = BUS_DOWN;
+    if (outages != self->outages && !is_lost(state) && !is_lost(self->bus_state))
+        change_state(self, BUS_DOWN, now);
+    self->outages = outages;
+    change_state(self, state, now);
+}
+
+static void send_frames(struct network *self, co_us_t now)
+{
+    const struct co_frame *frame;
+
+    while ((frame = tx_queue_first(&self->tx)) != NULL) {
+        if (send_frame(self, frame, now))
+            tx_queue_sent(&self->tx);
+        else if (!tx_queue_give_up(&self->tx, now))
+            return;
+    }
+}
+
+void network_flush(struct network *self, co_us_t now)
+{
+    send_frames(self, now);
+    look_at_bus(self, now);
+    self->tx_retry = CO_NEVER;
+    if (tx_queue_first(&self->tx) != NULL)
+        self->tx_retry = now + (is_lost(self->bus_state) ? BUS_RETRY : TX_RETRY);
+    tell_lost(self, now);
+}

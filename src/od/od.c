@@ -193,6 +193,21 @@ enum co_err od_add_number(struct od *self, uint16_t index, uint8_t sub, uint8_t 
     return od_add(self, &spec, NULL);
 }
 
+void od_remove_object(struct od *self, uint16_t index, void (*forget)(void *owner))
+{
+    const size_t first = lower_bound(self, index, 0);
+    size_t last = first;
+
+    for (; last < self->count && self->entries[last]->index == index; last++) {
+        if (self->entries[last]->owner)
+            forget(self->entries[last]->owner);
+        free_entry(self->entries[last]);
+    }
+    memmove(self->entries + first, self->entries + last,
+            (self->count - last) * sizeof(struct od_entry *));
+    self->count -= last - first;
+}
+
 uint64_t od_number(const struct od *self, uint16_t index, uint8_t sub, uint64_t missing)
 {
     const struct od_entry *entry = od_find(self, index, sub);
@@ -266,7 +281,7 @@ static bool store_entry(struct od_entry *entry)
 
 static bool can_be_written(const struct od_entry *entry)
 {
-    return entry->access != OD_RO && entry->access != OD_CONST;
+    return entry->access != OD_RO && entry->access != OD_CONST && entry->access != OD_NONE;
 }
 
 /* Of bytes that nobody writes, and of domains, no copy is kept. */

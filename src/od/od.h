@@ -50,7 +50,8 @@ enum od_type {
     OD_UNSIGNED64 = 0x1B
 };
 
-enum od_access { OD_RO, OD_WO, OD_RW, OD_RWR, OD_RWW, OD_CONST };
+/* OD_NONE: for the device itself and PDOs, not for SDO clients. */
+enum od_access { OD_RO, OD_WO, OD_RW, OD_RWR, OD_RWW, OD_CONST, OD_NONE };
 
 #define OD_SMALL 8u /* bytes of the longest number */
 
@@ -79,6 +80,7 @@ struct od_entry {
     uint32_t initial_capacity;  /* ... and how much room was there */
     uint8_t small[2][OD_SMALL]; /* value and initial of a number */
     char *name;                 /* ParameterName, or NULL */
+    uint32_t handle;            /* the number its owner has given it; 0: none */
     void *owner;                /* what the owner of the dictionary keeps with it; NULL */
 };
 
@@ -112,6 +114,9 @@ enum co_err od_add(struct od *self, const struct od_spec *spec, struct od_entry 
 /* Adds an UNSIGNED8, 16 or 32 (by size 1, 2, 4), for objects that the stack itself brings. */
 enum co_err od_add_number(struct od *self, uint16_t index, uint8_t sub, uint8_t type,
                           enum od_access access, uint64_t value);
+
+/* Takes an object out, with all its entries; forget gets their owners that are not NULL. */
+void od_remove_object(struct od *self, uint16_t index, void (*forget)(void *owner));
 
 struct od_entry *od_find(const struct od *self, uint16_t index, uint8_t sub);
 bool od_has_object(const struct od *self, uint16_t index);

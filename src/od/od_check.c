@@ -24,6 +24,8 @@ sdo_abort_t od_check_read(const struct od *self, uint16_t index, uint8_t sub,
 
     if (code != SDO_OK)
         return code;
+    if (entry->access == OD_NONE)
+        return SDO_ACCESS;
     if (entry->access == OD_WO)
         return SDO_WRITE_ONLY;
     *ret_entry = entry;
@@ -38,6 +40,8 @@ sdo_abort_t od_check_write(const struct od *self, uint16_t index, uint8_t sub,
 
     if (code != SDO_OK)
         return code;
+    if (entry->access == OD_NONE)
+        return SDO_ACCESS;
     if (entry->access == OD_RO || entry->access == OD_CONST)
         return SDO_READ_ONLY;
     *ret_entry = entry;

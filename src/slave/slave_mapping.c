@@ -45,6 +45,7 @@ static bool direction_fits(const struct od_entry *entry, bool transmit)
     case OD_RWR: return transmit;
     case OD_WO:
     case OD_RWW: return !transmit;
+    case OD_NONE:
     case OD_RW: break;
     }
     return true;

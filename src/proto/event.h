@@ -47,7 +47,21 @@ enum proto_event {
     /* The master of this device asks no more: node (the device's own). */
     PROTO_LIFE_LOST,
     /* It asks again, or life guarding has ended: node (the device's own). */
-    PROTO_LIFE_BACK
+    PROTO_LIFE_BACK,
+    /*
+     * An RPDO's data was taken over: index (number), sub (bytes), code (generation of the mapping),
+     * actual (when its frame came), data.
+     */
+    PROTO_RPDO,
+    /*
+     * An RPDO has come with a wrong length or not in time, or is right again: index (number), code
+     * (emergency code, or 0), detail (bytes received), sub (bytes mapped).
+     */
+    PROTO_RPDO_FAULT,
+    /* A TPDO needs new data: index (number), code (of this question). */
+    PROTO_TPDO_WANTED,
+    /* Somebody else is to send SYNC, and does not. */
+    PROTO_SYNC_MISSING
 };
 
 #endif

@@ -3,7 +3,7 @@
  * (CiA 301, 7.3), on an object dictionary that its owner has filled.
  *
  *   in   frames of the bus (all of them, those of other local devices too), the time
- *   out  boot-up, heartbeat, guarding and SDO answers, emergencies; the events below
+ *   out  boot-up, heartbeat, guarding and SDO answers, emergencies, PDOs, SYNC; the events below
  *
  *            slave_start()             start                 stop
  *   (off) ---> INITIALISING --> PRE-OPERATIONAL <--> OPERATIONAL <--> STOPPED
@@ -29,15 +29,48 @@
 #include "proto/heartbeat.h"
 #include "proto/nmt.h"
 #include "proto/sdo_server.h"
+#include "proto/sync.h"
+#include "slave/slave_pdo.h"
 
 enum slave_event {
     SLAVE_STATE = 100, /* node, detail: the NMT state entered; NMT_INITIALISING with each reset */
     SLAVE_WRITTEN,     /* node, index, sub: a client has written an entry, actual: its number */
-    SLAVE_EMCY         /* node, code, detail (1001h), data: it has raised an emergency */
+    SLAVE_EMCY,        /* node, code, detail (1001h), data: it has raised an emergency */
+    /*
+     * A client has sent a value for an entry that is watched; the server waits for slave_verdict()
+     * and sdo_server_value() has the bytes.
+     *   node, index, sub   the entry
+     *   actual             bytes
+     *   code               number of the transfer
+     */
+    SLAVE_VERDICT,
+    SLAVE_VERDICT_LATE, /* node, index, sub: none has come, the client was told 08000020h */
+    /*
+     * The data of an RPDO was taken over.
+     *   node, index   the PDO's number
+     *   sub           bytes
+     *   code          generation of the mapping, rpdo.generation
+     *   actual        when its frame was received
+     *   data
+     */
+    SLAVE_RPDO,
+    SLAVE_TPDO_WANTED,    /* node, index (number), code: for slave_tpdo_answer() */
+    SLAVE_TPDO_CONFIRMED, /* node, index (number): its frame is on the bus */
+    /*
+     * An RPDO was not processed, or has not come in time; an emergency as well, and once until it
+     * is right again.
+     *   node, index   the PDO's number
+     *   code          8210h too short, 8220h too long, 8250h silent
+     *   detail, sub   bytes received and mapped
+     */
+    SLAVE_PDO_ERROR,
+    SLAVE_SYNC_LENGTH, /* node, code (8240h), detail (bytes received), sub (expected): as above */
+    SLAVE_SYNC_MISSING /* node: what slave_sync_external() promised does not come; once */
 };
 
 struct slave_consumer; /* one entry of 1016h */
 struct slave_factory;  /* the values that 1011h "load" brings back */
+struct slave_pdos;     /* what 1400h..1BFFh say */
 
 struct slave {
     uint8_t node;
@@ -59,6 +92,20 @@ struct slave {
     struct slave_factory *factory; /* NULL: nothing was ever saved */
     uint8_t load;                  /* bit n: 1011:n "load" waits for the reset */
     bool application_changed;      /* objects from 2000h on differ from the power-on values */
+
+    struct slave_pdos *pdos;
+    bool accept_long; /* the owner's: of RPDOs that are too long the first bytes count */
+    struct sync_producer sync;
+    struct sync_consumer sync_heard;
+    bool told_sync_wrong;
+    bool consumes_sync;
+    co_us_t window_end;         /* of the last SYNC; CO_NEVER: up to the next one */
+    unsigned faults;            /* RPDOs, and SYNC, that are wrong: bit 4 of 1001h */
+    unsigned listen_generation; /* counts what may have changed slave_listens() ... */
+    unsigned sync_generation;   /* ... and what changes slave_sync_plan(), or makes it begin anew */
+    bool verdict_due;           /* a verdict found no room in the outbox */
+    sdo_abort_t verdict;
+    unsigned late_verdicts;
 };
 
 /*
@@ -91,5 +138,13 @@ enum co_err slave_raise_error(struct slave *self, const struct emcy_message *err
                               struct co_outbox *out);
 /* The errors with these bits of 1001h have gone: emergency 0000h. CO_ERR_AGAIN as above. */
 enum co_err slave_clear_error(struct slave *self, uint8_t bits, co_us_t now, struct co_outbox *out);
+
+/*
+ * What the application says of the value that SLAVE_VERDICT told of with this number: SDO_OK stores
+ * it, if limits and state still allow, any other code goes to the client. A number whose transfer
+ * has ended is ignored.
+ */
+void slave_verdict(struct slave *self, uint32_t number, sdo_abort_t code, co_us_t now,
+                   struct co_outbox *out);
 
 #endif

@@ -180,15 +180,21 @@ static int priority_of(const struct network_config *config)
     return config->native_priorities ? highest : thread_native_priority(highest);
 }
 
+/* The slaves of this process may have claimed others before. */
 static bool set_priorities(struct registry *self)
 {
     bool allowed = true;
 
     for (size_t i = 0; i < self->network_count; i++) {
         const struct managed *managed = &self->networks[i];
-        int priority = priority_of(managed->config);
+        const int priority = priority_of(managed->config);
+        const enum co_err err = priority > 0 ? network_claim_priority(managed->network, priority)
+                                             : CO_OK;
 
-        if (priority > 0 && network_set_priority(managed->network, priority) != CO_OK)
+        if (err == CO_ERR_EXISTS)
+            log_put(CO_WARNING, "thread priorities: the slaves of this process have set them "
+                                "before; those count");
+        else if (err != CO_OK)
             allowed = false;
     }
     return allowed;

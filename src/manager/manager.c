@@ -75,7 +75,7 @@ static bool consume(struct manager *self, const struct co_event *event, co_us_t 
     case MANAGER_NODE_ID_TAKEN:
     case PROTO_GUARD_TOGGLE: return !is_power_of_2(event->actual); /* told ever more rarely */
     case SLAVE_WRITTEN:
-    case SLAVE_EMCY: return true;
+    case SLAVE_EMERGENCY: return true;
     default: return false;
     }
 }

@@ -81,6 +81,7 @@ static bool receive_burst(struct network *self)
         if (rx.lost)
             network_tell(self, (struct co_event){ .type = RUNTIME_FRAMES_LOST, .actual = rx.lost });
         self->last_frame = rx.time;
+        self->now = rx.time;
         deliver(self, &rx);
     }
     self->receive_fails = err != CO_OK && err != CO_ERR_AGAIN;
@@ -147,6 +148,7 @@ static void *run(void *context)
         /* With more to read, time has only come as far as the frames: an answer that is there
          * already must not be taken for missing. */
         now = more ? self->last_frame : clock_now();
+        self->now = now;
         run_due(self, now);
         network_flush(self, now);
         deadline = next_deadline(self);
@@ -331,9 +333,21 @@ enum co_err network_start(struct network *self)
     return network_run(self);
 }
 
-enum co_err network_set_priority(struct network *self, int native)
+enum co_err network_claim_priority(struct network *self, int native)
 {
-    return thread_set_priority(&self->thread, native);
+    enum co_err err = CO_OK;
+
+    lock_take(&self->lock);
+    if (!self->has_priority)
+        err = thread_set_priority(&self->thread, native);
+    else if (self->priority != native)
+        err = CO_ERR_EXISTS;
+    if (err == CO_OK) {
+        self->has_priority = true;
+        self->priority = native;
+    }
+    lock_give(&self->lock);
+    return err;
 }
 
 bool network_takes(const struct network *self, uint32_t can_id)
@@ -363,8 +377,29 @@ void network_explain(const struct network *self, char *text, size_t size)
 struct co_outbox *network_enter(struct network *self, co_us_t *ret_now)
 {
     lock_take(&self->lock);
-    *ret_now = clock_now();
+    self->now = clock_now();
+    *ret_now = self->now;
     return &self->out;
+}
+
+void network_hold(struct network *self)
+{
+    lock_take(&self->lock);
+}
+
+void network_release(struct network *self)
+{
+    lock_give(&self->lock);
+}
+
+co_us_t network_time(const struct network *self)
+{
+    return self->now;
+}
+
+void network_poke(struct network *self)
+{
+    self->has_events = true;
 }
 
 /* True if something has happened meanwhile. */

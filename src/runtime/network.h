@@ -73,8 +73,11 @@ enum co_err network_add_slave(struct network *self, struct slave *slave);
 enum co_err network_add_manager(struct network *self, struct manager *manager);
 /* Powers the devices on, in the order they were added, and starts the thread. CO_ERR_MEMORY */
 enum co_err network_start(struct network *self);
-/* SCHED_FIFO 1..99 for the protocol thread. CO_ERR_PERMISSION */
-enum co_err network_set_priority(struct network *self, int native);
+/*
+ * SCHED_FIFO 1..99 for the protocol thread, which runs; 0: as it is. Who comes first decides.
+ * CO_ERR_PERMISSION; CO_ERR_EXISTS: another priority was claimed before.
+ */
+enum co_err network_claim_priority(struct network *self, int native);
 
 const char *network_name(const struct network *self);
 /* bus_explain(); from any thread, also from the sink. */
@@ -84,6 +87,13 @@ void network_explain(const struct network *self, char *text, size_t size);
 struct co_outbox *network_enter(struct network *self, co_us_t *ret_now);
 /* Sends what the device of this node-ID has put out and gives the lock. */
 void network_leave(struct network *self, uint8_t node);
+/* The lock alone, for a look at a device: nothing may be put out or change its deadlines. */
+void network_hold(struct network *self);
+void network_release(struct network *self);
+/* Under the lock: the time of the step or call that has it. */
+co_us_t network_time(const struct network *self);
+/* Between enter and leave: those in network_wait() look again. */
+void network_poke(struct network *self);
 /* Between enter and leave: there is room in the queue for a frame with this identifier. */
 bool network_takes(const struct network *self, uint32_t can_id);
 /* Between enter and leave: the state of the bus that was told last. */

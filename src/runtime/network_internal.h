@@ -42,6 +42,9 @@ struct network {
     unsigned outages;         /* of the bus, as last seen */
     bool has_events;          /* since the last signal of changed */
     co_us_t last_frame;       /* time of the frame delivered last */
+    co_us_t now;              /* of the step or call under way */
+    bool has_priority;
+    int priority; /* as claimed */
 };
 
 /* network.c */

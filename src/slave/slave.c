@@ -71,15 +71,21 @@ static void finish_boot_up(struct slave *self, co_us_t now, struct co_outbox *ou
         slave_enter_state(self, NMT_OPERATIONAL, out);
 }
 
-static void reset(struct slave *self, bool application, co_us_t now, struct co_outbox *out)
+/* With what the dictionary says now. */
+static void boot_up(struct slave *self, co_us_t now, struct co_outbox *out)
 {
     slave_enter_state(self, NMT_INITIALISING, out);
     hb_producer_start(&self->heartbeat, 0, false, now);
-    slave_reset_objects(self, application);
     slave_reset_errors(self);
     slave_reset_guarding(self);
     self->boot_up_due = true;
     finish_boot_up(self, now, out);
+}
+
+static void reset(struct slave *self, bool application, co_us_t now, struct co_outbox *out)
+{
+    slave_reset_objects(self, application);
+    boot_up(self, now, out);
 }
 
 static enum co_err add_missing_objects(struct od *od)
@@ -160,6 +166,11 @@ void slave_done(struct slave *self)
 void slave_start(struct slave *self, co_us_t now, struct co_outbox *out)
 {
     reset(self, true, now, out);
+}
+
+void slave_switch_on(struct slave *self, co_us_t now, struct co_outbox *out)
+{
+    boot_up(self, now, out);
 }
 
 void slave_command(struct slave *self, enum nmt_command command, co_us_t now, struct co_outbox *out)

@@ -35,7 +35,7 @@
 enum slave_event {
     SLAVE_STATE = 100, /* node, detail: the NMT state entered; NMT_INITIALISING with each reset */
     SLAVE_WRITTEN,     /* node, index, sub: a client has written an entry, actual: its number */
-    SLAVE_EMCY,        /* node, code, detail (1001h), data: it has raised an emergency */
+    SLAVE_EMERGENCY,   /* node, code, detail (1001h), data: it has raised an emergency */
     /*
      * A client has sent a value for an entry that is watched; the server waits for slave_verdict()
      * and sdo_server_value() has the bytes.
@@ -119,6 +119,8 @@ void slave_leave_heartbeats(struct slave *self);
 
 /* Power on: reset node, boot-up, pre-operational. */
 void slave_start(struct slave *self, co_us_t now, struct co_outbox *out);
+/* The same with the values that the dictionary has, not the power-on values. */
+void slave_switch_on(struct slave *self, co_us_t now, struct co_outbox *out);
 
 /* What an NMT command of the master, or of the device itself, does. */
 void slave_command(struct slave *self, enum nmt_command command, co_us_t now,

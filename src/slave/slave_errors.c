@@ -62,7 +62,7 @@ static void announce(struct slave *self, const struct emcy_message *error, co_us
                      struct co_outbox *out)
 {
     struct emcy_message message = *error;
-    struct co_event event = { .type = SLAVE_EMCY, .node = self->node, .code = error->code };
+    struct co_event event = { .type = SLAVE_EMERGENCY, .node = self->node, .code = error->code };
 
     update_error_register(self);
     message.error_register = (uint8_t)od_number(self->od, 0x1001, 0, 0);

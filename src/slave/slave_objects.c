@@ -41,6 +41,14 @@ static bool is_default_sdo(uint32_t can_id)
     return in_ranges(can_id, ranges, sizeof ranges / sizeof ranges[0]);
 }
 
+bool slave_may_use(const struct od *od, uint32_t cob_id, bool transmit)
+{
+    (void)od;
+    (void)transmit;
+    return (cob_id & COB_ID_INVALID) != 0 || (cob_id & FRAME_29_BIT) != 0 ||
+           !is_restricted(cob_id & CAN_ID_MASK);
+}
+
 static bool is_base_frame(uint64_t cob_id)
 {
     return (cob_id & (FRAME_29_BIT | CAN_ID_UPPER)) == 0;

@@ -113,6 +113,9 @@ void slave_sync_plan(const struct slave *self, struct slave_sync_plan *ret_plan)
  */
 void slave_sync_external(struct slave *self, bool external);
 
+/* May a PDO in this direction use this COB-ID? One that is not valid may have any. */
+bool slave_may_use(const struct od *od, uint32_t cob_id, bool transmit);
+
 /*
  * May an object be mapped? mapping_entry as in 1600h.., for a PDO in this direction. How many PDOs
  * it is in does not matter.

@@ -133,7 +133,7 @@ const char *device_next_event(struct device *self)
     else if (event->type == SLAVE_WRITTEN)
         snprintf(text, sizeof text, "written %04X:%02X = %llu", event->index, event->sub,
                  (unsigned long long)event->actual);
-    else if (event->type == SLAVE_EMCY)
+    else if (event->type == SLAVE_EMERGENCY)
         snprintf(text, sizeof text, "emcy %04X %02X", event->code, event->detail);
     else if (event->type == PROTO_HB_STATE)
         snprintf(text, sizeof text, "heard %u: %u", event->node, event->detail);

@@ -1,0 +1,234 @@
+/*
+ * What the files scan_*.c share: the local slaves of this process as the application knows them.
+ *
+ *   scan.c             this state, and the handles that name parts of it
+ *   scan_network.c     canOpenCreateNetwork..., daemons, priorities
+ *   scan_node.c        canOpenCreateNode..., a node's life
+ *   scan_objects.c     its communication objects
+ *   scan_dictionary.c  canOpenExtendDictionary ..., reading and writing
+ *   scan_value.c       values as C has them, and as they travel
+ *   scan_pdo.c         PDOs
+ *   scan_handlers.c    the PDO and SDO daemons: object handlers
+ *   scan_events.c      the NMT daemon: node events
+ *
+ *   locking  A call enters its node, which then stays until the call leaves; deleting a node waits
+ *            for that. What changes while a node is on the bus changes under its network's lock,
+ *            which scan_lock() takes.
+ */
+#ifndef CO_API_SCAN_H
+#define CO_API_SCAN_H
+
+#include "runtime/daemon.h"
+#include "runtime/network.h"
+#include "scanopen.h"
+
+#include <pthread.h>
+
+#define SCAN_NODES    255u /* of the process */
+#define SCAN_NETWORKS 256u /* numbers of networks */
+#define SCAN_PDOS     512u /* per direction and node */
+
+struct scan_net {
+    int number;
+    struct network *network;
+    unsigned long options; /* of SLAVE_NET_INFO */
+    unsigned nodes;        /* under the change lock of scan.c */
+    uint8_t bus_state;     /* as told last; under the network's lock */
+    struct daemon nmt, pdo, sdo;
+};
+
+/* What the application gave for an entry: od_entry.owner. */
+struct scan_entry {
+    bool initialized;
+    PFN_COS_DATA_HANDLER handler; /* one of these, or none */
+    PFN_COS_DATA_HANDLER_TS handler_ts;
+    CAN_TIME_OF_DAY time; /* what canOpenReadDictionary gave a pointer to */
+};
+
+struct scan_pdo {
+    uint16_t mode; /* TransMode */
+    uint16_t tx_timeout, rx_timeout;
+    bool requests;      /* RPDO: RTR_ALLOW */
+    uint32_t ask;       /* TPDO: its handlers are wanted, number; 0: not */
+    unsigned confirmed; /* TPDO: frames of it that were on the bus */
+    unsigned takers;    /* RPDO: calls that wait for its data themselves ... */
+    unsigned callers;   /* ... and those that want the handlers to be called */
+};
+
+/* A received PDO on its way to the handlers. */
+struct scan_received {
+    uint16_t number;
+    uint8_t dlc;
+    uint8_t data[8];
+    uint32_t generation; /* of its mapping */
+    co_us_t time;
+};
+
+struct scan_verdict { /* an SDO write that waits for its handler */
+    bool pending;
+    uint16_t index;
+    uint8_t sub;
+    uint32_t size;
+    uint32_t number;
+    co_us_t time;
+};
+
+struct scan_node {
+    unsigned slot;
+    uint32_t generation;
+    unsigned users; /* calls inside; under the lock of scan.c */
+    bool closing;
+    struct scan_net *net;
+    uint8_t id;
+    bool active; /* on the bus: slave is there */
+    bool held;   /* PARAM_DISABLE_AUTO_TRANSMISSION */
+    unsigned long options, event_mask;
+    unsigned char map_max;
+    PFN_COS_EVENT_HANDLER on_event;
+    PFN_COS_EVENT_HANDLER_OLD on_event_old;
+    int last_error;
+    bool resetting; /* EV_END is to come */
+    unsigned long reset_kind;
+    struct od od;
+    struct slave slave;
+    struct od_entry **handles; /* entries that have a number: od_entry.handle - 1 */
+    uint32_t handle_count, handle_room;
+    uint16_t rpdo_max, tpdo_max, rpdo_count, tpdo_count;
+    struct scan_pdo *rpdos, *tpdos;
+    /* the PDO daemon's part */
+    struct scan_received *received; /* a ring */
+    unsigned received_size, received_first, received_count, received_lost;
+    unsigned asks;   /* TPDOs with ask != 0 */
+    bool pdo_called; /* the daemon knows of it */
+    struct scan_verdict verdict;
+};
+
+/* What the daemons get. */
+struct scan_token {
+    unsigned slot;
+    uint32_t generation;
+};
+
+struct scan_event_token {
+    struct scan_token node;
+    SLAVE_EVENT event;
+};
+
+/* ---- scan.c ---- */
+
+/* SCANOPEN_TOO_MANY_OBJECTS, SCANOPEN_OUT_OF_MEMORY. Nobody can enter it until it is opened. */
+int scan_new_node(struct scan_node **ret_node);
+void scan_open_node(struct scan_node *node);
+/* Nobody else may use it. */
+void scan_free_node(struct scan_node *node);
+/* No call enters any more; waits until all have left. False: somebody else closes it already. */
+bool scan_close_node(struct scan_node *node, void (*wake)(struct scan_node *node));
+
+HNODE scan_node_handle(const struct scan_node *node);
+HPDO scan_pdo_handle(const struct scan_node *node, bool transmit, uint16_t number);
+/* SCANOPEN_OUT_OF_MEMORY */
+int scan_entry_handle(struct scan_node *node, struct od_entry *entry, HDICT *ret_handle);
+
+/* SCANOPEN_INVALID_HANDLE, or the node, and scan_leave() must follow. */
+int scan_enter(HNODE handle, struct scan_node **ret_node);
+int scan_enter_token(const struct scan_token *token, struct scan_node **ret_node);
+int scan_enter_pdo(HPDO handle, struct scan_node **ret_node, bool *ret_transmit,
+                   uint16_t *ret_number);
+int scan_enter_entry(HDICT handle, struct scan_node **ret_node, uint32_t *ret_number);
+void scan_leave(struct scan_node *node);
+struct scan_token scan_token(const struct scan_node *node);
+
+/* The network's lock, and the outbox; scan_unlock() sends what was put there. */
+struct co_outbox *scan_lock(struct scan_node *node, co_us_t *ret_now);
+void scan_unlock(struct scan_node *node);
+
+/* Under the network's lock: for each node of the network that calls can enter. */
+void scan_each_node(const struct scan_net *net,
+                    void (*visit)(struct scan_node *node, const void *context),
+                    const void *context);
+
+/* NULL: not created. Stays as long as no call removes the network, which needs the change lock. */
+struct scan_net *scan_net(int number);
+void scan_set_net(int number, struct scan_net *net);
+/* Calls that make or delete come one at a time. */
+void scan_begin_change(void);
+void scan_end_change(void);
+
+/* ---- scan_objects.c ---- */
+
+struct scan_profile { /* the communication objects of a node */
+    const SLAVE_NODE_INFO *info;
+    bool old; /* of canOpenCreateNode */
+    uint8_t id;
+};
+/* SCANOPEN_WRONG_PARAMETER, SCANOPEN_OUT_OF_MEMORY; od is to be freed in any case. */
+int scan_make_objects(const struct scan_profile *profile, struct od *od);
+
+/* ---- scan_value.c ---- */
+
+/* A value as C has it, as far as it is no string. */
+union scan_number {
+    uint8_t bytes[8];
+    uint8_t u8;
+    uint16_t u16;
+    uint32_t u32;
+    uint64_t u64;
+    CAN_TIME_OF_DAY time;
+};
+
+bool scan_is_text(uint8_t type); /* a string or domain */
+/* Bytes of the type in C's form: 4 for those of 3 bytes, 8 for 5 to 7; 0 for the others. */
+size_t scan_size(uint8_t type);
+/* From little-endian bytes, and back: so many as the type has. */
+void scan_number_from(uint8_t type, const uint8_t *bytes, union scan_number *ret_number);
+void scan_number_to(uint8_t type, const void *number, uint8_t ret_bytes[8]);
+/* The error of the slave interface for a value that the dictionary refuses. */
+int scan_error_of_value(sdo_abort_t code);
+/* For an object handler: size bytes as they travel. */
+union scan_data {
+    union scan_number number;
+    RecOctString text;
+};
+void scan_data_from(uint8_t type, uint8_t *bytes, uint32_t size, union scan_data *ret_data);
+
+/* A mapped object's value in the data of a PDO, in the size of its type. */
+void scan_field_bytes(const struct pdo_field *field, const uint8_t data[8], uint8_t ret_bytes[8]);
+/* May it be so? With 'store' it becomes so. */
+sdo_abort_t scan_take_field(const struct pdo_field *field, const uint8_t data[8], bool store);
+
+/* ---- scan_node.c ---- */
+
+int scan_node_state(const struct scan_node *node);
+
+/* ---- scan_pdo.c ---- */
+
+/* The handles' PDO; NULL: there is none. */
+struct scan_pdo *scan_pdo(const struct scan_node *node, bool transmit, uint16_t number);
+/* After slave_init(): what the dictionary does not say of the PDOs. Under the lock. */
+void scan_set_pdo_flags(struct scan_node *node);
+/* Offline: how many PDOs each entry is in. */
+void scan_count_maps(struct scan_node *node);
+int scan_error_of_send(enum co_err err);
+/* Waits until TPDOs with TX_DONE_PDO that map the entry have been on the bus. Under the lock. */
+int scan_wait_sent(struct scan_node *node, const struct od_entry *entry, int result);
+
+/* ---- scan_handlers.c ---- */
+
+void scan_on_rpdo(struct scan_node *node, const struct co_event *event);
+void scan_on_tpdo_wanted(struct scan_node *node, const struct co_event *event);
+void scan_on_verdict(struct scan_node *node, const struct co_event *event, co_us_t now);
+void scan_pdo_work(void *context, const void *element);
+void scan_sdo_work(void *context, const void *element);
+
+/* ---- scan_events.c ---- */
+
+/* Under the network's lock: what a node's slave tells. */
+void scan_on_event(void *context, struct network *network, const struct co_event *event);
+/* What the network tells all its nodes. */
+void scan_on_net_event(void *context, struct network *network, const struct co_event *event);
+void scan_nmt_work(void *context, const void *element);
+void scan_nmt_lost(void *context, unsigned count);
+/* To the node's handler, if it wants that kind. Under the network's lock. */
+void scan_tell(struct scan_node *node, unsigned long event, unsigned long arg1, unsigned long arg2);
+
+#endif

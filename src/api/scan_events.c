@@ -1,0 +1,155 @@
+/* Node events: what the slave and the network tell, for the node's handler in the NMT daemon. */
+#include "api/callback.h"
+#include "api/log.h"
+#include "api/scan.h"
+
+#include "base/bytes.h"
+
+#include <stdio.h>
+
+/* ---- under the network's lock ---- */
+
+void scan_tell(struct scan_node *node, unsigned long event, unsigned long arg1, unsigned long arg2)
+{
+    const struct scan_event_token token = { .node = scan_token(node),
+                                            .event = { .usNetNo = (unsigned short)node->net->number,
+                                                       .usModId = node->id,
+                                                       .ulEvent = event,
+                                                       .ulArg1 = arg1,
+                                                       .arg = { .ulArg2 = arg2 } } };
+
+    if ((node->event_mask & event) != 0 && (node->on_event || node->on_event_old))
+        daemon_put(&node->net->nmt, &token);
+}
+
+/* The two resets as the application knows them; the state NodeInit is only passed through. */
+static void tell_state(struct scan_node *node, const struct co_event *event)
+{
+    if (event->detail != NodeInit) {
+        if (node->resetting) {
+            node->resetting = false;
+            scan_tell(node, EV_RESET, node->reset_kind, EV_END);
+        }
+        scan_tell(node, EV_STATE_CHANGE, event->detail, 0);
+        return;
+    }
+    node->resetting = event->sub != 0;
+    node->reset_kind = event->sub == NMT_RESET_NODE ? EV_APPLICATION : EV_COMMUNICATION;
+    if (node->resetting)
+        scan_tell(node, EV_RESET, node->reset_kind, EV_BEGIN);
+}
+
+static void tell_pdo_error(struct scan_node *node, const struct co_event *event)
+{
+    if (event->code == RPDO_FAULT_SHORT)
+        scan_tell(node, EV_CAN, EV_PDO_NOT_PROCESSED, event->index);
+    else if (event->code == RPDO_FAULT_LONG)
+        scan_tell(node, EV_CAN, EV_PDO_LENGTH_EXCEEDED, event->index);
+}
+
+static void note_confirmed(struct scan_node *node, const struct co_event *event)
+{
+    struct scan_pdo *pdo = scan_pdo(node, true, event->index);
+
+    if (pdo)
+        pdo->confirmed++;
+}
+
+void scan_on_event(void *context, struct network *network, const struct co_event *event)
+{
+    struct scan_node *node = context;
+
+    switch (event->type) {
+    case SLAVE_STATE: tell_state(node, event); break;
+    case SLAVE_WRITTEN: scan_tell(node, EV_WRITE_DICTIONARY, event->index, event->sub); break;
+    case SLAVE_EMERGENCY: node->last_error = (int)event->code; break;
+    case SLAVE_VERDICT: scan_on_verdict(node, event, network_time(network)); break;
+    case SLAVE_VERDICT_LATE:
+        scan_tell(node, EV_HANDLER, EV_TIMEOUT, (unsigned long)event->index << 8 | event->sub);
+        break;
+    case SLAVE_RPDO: scan_on_rpdo(node, event); break;
+    case SLAVE_TPDO_WANTED: scan_on_tpdo_wanted(node, event); break;
+    case SLAVE_TPDO_CONFIRMED: note_confirmed(node, event); break;
+    case SLAVE_PDO_ERROR: tell_pdo_error(node, event); break;
+    case SLAVE_SYNC_MISSING: scan_tell(node, EV_SYNC, EV_TIMEOUT, 0); break;
+    default: break;
+    }
+}
+
+struct net_news {
+    unsigned long what, number;
+};
+
+static void tell_news(struct scan_node *node, const void *context)
+{
+    const struct net_news *news = context;
+
+    scan_tell(node, EV_CAN, news->what, news->number);
+}
+
+/* 0: nothing that a node is told. */
+static unsigned long news_of_bus(struct scan_net *net, uint8_t state)
+{
+    const uint8_t before = net->bus_state;
+
+    net->bus_state = state;
+    switch ((enum bus_state)state) {
+    case BUS_OFF: return EV_CONTROLLER_BUS_OFF;
+    case BUS_PASSIVE: return EV_CONTROLLER_WARN;
+    case BUS_ACTIVE: return before == BUS_OFF ? EV_CONTROLLER_OK : 0;
+    case BUS_WARNING:
+    case BUS_DOWN: break;
+    }
+    return 0;
+}
+
+void scan_on_net_event(void *context, struct network *network, const struct co_event *event)
+{
+    struct scan_net *net = context;
+    struct net_news news = { .what = 0 };
+
+    (void)network;
+    if (event->type == RUNTIME_BUS_STATE)
+        news.what = news_of_bus(net, event->detail);
+    else if (event->type == RUNTIME_FRAMES_LOST)
+        news = (struct net_news){ EV_FIFO_OVERRUN, (unsigned long)event->actual };
+    if (news.what != 0)
+        scan_each_node(net, tell_news, &news);
+}
+
+/* ---- the NMT daemon ---- */
+
+static void call_old(const struct scan_node *node, const SLAVE_EVENT *event)
+{
+    const int place = (int)(event->usNetNo << 8 | event->usModId);
+
+    node->on_event_old(place, (int)event->ulEvent, (int)event->ulArg1, (int)event->arg.ulArg2);
+}
+
+void scan_nmt_work(void *context, const void *element)
+{
+    const struct scan_event_token *token = element;
+    SLAVE_EVENT event = token->event;
+    struct scan_node *node;
+
+    (void)context;
+    if (scan_enter_token(&token->node, &node) != SCANOPEN_OK)
+        return;
+    callback_begin();
+    if (node->on_event)
+        node->on_event(&event);
+    else if (node->on_event_old)
+        call_old(node, &event);
+    callback_end();
+    scan_leave(node);
+}
+
+void scan_nmt_lost(void *context, unsigned count)
+{
+    const struct scan_net *net = context;
+    char text[96];
+
+    snprintf(text, sizeof text, "network %d: %u node events lost: the event handler is too slow",
+             net->number, count);
+    log_put(CO_WARNING, text);
+}

@@ -55,7 +55,8 @@ enum proto_event {
     PROTO_RPDO,
     /*
      * An RPDO has come with a wrong length or not in time, or is right again: index (number), code
-     * (emergency code, or 0), detail (bytes received), sub (bytes mapped).
+     * (emergency code, or 0), expected (the code before), detail (bytes received), sub (bytes
+     * mapped).
      */
     PROTO_RPDO_FAULT,
     /* A TPDO needs new data: index (number), code (of this question). */

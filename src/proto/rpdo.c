@@ -99,7 +99,8 @@ static void tell_fault(struct rpdo *self, struct co_outbox *out)
                                     .detail = self->wrong_size,
                                     .index = self->number,
                                     .sub = pdo_map_size(&self->map),
-                                    .code = self->fault };
+                                    .code = self->fault,
+                                    .expected = self->told_fault };
 
     if (self->fault == self->told_fault || !co_outbox_room(out, 0, 1))
         return;

@@ -100,6 +100,13 @@ void tpdo_stop(struct tpdo *self)
     self->running = false;
 }
 
+void tpdo_reset(struct tpdo *self)
+{
+    tpdo_stop(self);
+    self->not_before = 0;
+    self->confirms = 0;
+}
+
 void tpdo_trigger(struct tpdo *self)
 {
     if (is_active(self) && (self->type == 0 || is_event_driven(self)))

@@ -49,6 +49,7 @@ struct tpdo {
     bool timer_asks;    /* the owner's */
     bool asks;          /* the owner's: new data has to be asked for */
     bool marked;        /* the owner's: has changed while nothing is to be sent by itself */
+    uint8_t confirms;   /* the owner's: confirmations that are not told yet */
     bool running;       /* NMT state operational */
     struct pdo_map map;
     unsigned missed; /* sent without the data asked for, or not within the synchronous window */
@@ -98,6 +99,8 @@ bool tpdo_is_valid(const struct tpdo *self);
 /* Operational: the application's events begin with one. */
 void tpdo_start(struct tpdo *self, co_us_t now);
 void tpdo_stop(struct tpdo *self);
+/* Not running, and nothing was ever sent. */
+void tpdo_reset(struct tpdo *self);
 
 /* Types 0, 254 and 255: there is new data. Sent by tpdo_on_time(), which is due when it may. */
 void tpdo_trigger(struct tpdo *self);

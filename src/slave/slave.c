@@ -1,11 +1,9 @@
 #include "slave/slave.h"
 
-#include "base/bytes.h"
 #include "proto/event.h"
 #include "slave/slave_internal.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #define BUFFER_MIN 1024u
 
@@ -33,7 +31,7 @@ static void tell_state(struct slave *self, struct co_outbox *out)
         put_state_event(self, out);
 }
 
-void slave_enter_state(struct slave *self, enum nmt_state state, struct co_outbox *out)
+void slave_enter_state(struct slave *self, enum nmt_state state, co_us_t now, struct co_outbox *out)
 {
     const bool services = state == NMT_PREOPERATIONAL || state == NMT_OPERATIONAL;
 
@@ -42,12 +40,9 @@ void slave_enter_state(struct slave *self, enum nmt_state state, struct co_outbo
     self->guard.state = (uint8_t)state;
     sdo_server_enable(&self->server, services);
     emcy_producer_enable(&self->emcy, services);
+    slave_enable_sync(self, services);
     tell_state(self, out);
-}
-
-static co_us_t heartbeat_period(const struct slave *self)
-{
-    return CO_MS(od_number(self->od, 0x1017, 0, 0));
+    slave_run_pdos(self, state == NMT_OPERATIONAL, now, out);
 }
 
 /* Devices with 1F80h that are not told otherwise go on to operational by themselves. */
@@ -65,19 +60,21 @@ static void finish_boot_up(struct slave *self, co_us_t now, struct co_outbox *ou
     self->boot_up_due = false;
     put_state_event(self, out);
     co_outbox_put_frame(out, &frame);
-    hb_producer_start(&self->heartbeat, heartbeat_period(self), false, now);
-    slave_enter_state(self, NMT_PREOPERATIONAL, out);
+    hb_producer_start(&self->heartbeat, slave_heartbeat_period(self), false, now);
+    slave_enter_state(self, NMT_PREOPERATIONAL, now, out);
     if (starts_itself(self))
-        slave_enter_state(self, NMT_OPERATIONAL, out);
+        slave_enter_state(self, NMT_OPERATIONAL, now, out);
 }
 
 /* With what the dictionary says now. */
 static void boot_up(struct slave *self, co_us_t now, struct co_outbox *out)
 {
-    slave_enter_state(self, NMT_INITIALISING, out);
+    slave_enter_state(self, NMT_INITIALISING, now, out);
     hb_producer_start(&self->heartbeat, 0, false, now);
     slave_reset_errors(self);
     slave_reset_guarding(self);
+    slave_reset_pdos(self, now);
+    slave_configure_sync(self);
     self->boot_up_due = true;
     finish_boot_up(self, now, out);
 }
@@ -136,13 +133,15 @@ enum co_err slave_init(struct slave *self, uint8_t node, struct od *od)
     if (node < 1 || node > NMT_NODE_MAX)
         return CO_ERR_ARG;
     *self = (struct slave){ .node = node, .od = od, .consumer_deadline = CO_NEVER };
+    sync_producer_init(&self->sync);
     err = add_missing_objects(od);
     if (err != CO_OK)
         return err;
     drop_signature_limits(od);
     capacity = largest_capacity(od);
     self->buffer = malloc(capacity);
-    if (self->buffer == NULL || slave_make_consumers(self) != CO_OK) {
+    if (self->buffer == NULL || slave_make_consumers(self) != CO_OK ||
+        slave_make_pdos(self) != CO_OK) {
         slave_done(self);
         return CO_ERR_MEMORY;
     }
@@ -157,6 +156,7 @@ enum co_err slave_init(struct slave *self, uint8_t node, struct od *od)
 void slave_done(struct slave *self)
 {
     slave_free_factory(self);
+    slave_free_pdos(self);
     free(self->consumers);
     free(self->buffer);
     self->consumers = NULL;
@@ -181,107 +181,7 @@ void slave_command(struct slave *self, enum nmt_command command, co_us_t now, st
     if (is_reset && (is_on(self) || self->boot_up_due))
         reset(self, command == NMT_RESET_NODE, now, out);
     else if (!is_reset && next != self->state)
-        slave_enter_state(self, next, out);
-}
-
-/* What a value changes besides the dictionary. */
-static void take_over(struct slave *self, uint16_t index, uint8_t sub, co_us_t now,
-                      struct co_outbox *out)
-{
-    if (index == 0x1014 || index == 0x1015) {
-        slave_configure_emcy(self);
-    } else if (index == 0x100C || index == 0x100D) {
-        slave_configure_guarding(self, now, out);
-    } else if (index == 0x1016) {
-        slave_configure_consumer(self, sub);
-        slave_watch_consumers(self, now, out);
-    } else if (index == 0x1017) {
-        hb_producer_start(&self->heartbeat, heartbeat_period(self), true, now);
-        slave_configure_guarding(self, now, out);
-        hb_producer_on_time(&self->heartbeat, now, out);
-    }
-}
-
-static sdo_abort_t store_value(struct slave *self, const struct slave_write *write)
-{
-    const sdo_abort_t code = slave_check_write(write);
-
-    if (code != SDO_OK)
-        return code;
-    if (slave_is_store_command(write))
-        return slave_execute_store(self, write);
-    slave_note_change(self, write);
-    return od_set(write->entry, write->value, write->size);
-}
-
-static void take_write(struct slave *self, const struct co_event *received, co_us_t now,
-                       struct co_outbox *out)
-{
-    const uint32_t size = (uint32_t)received->actual;
-    const uint8_t *value = sdo_server_value(&self->server);
-    const struct slave_write write = { .od = self->od,
-                                       .entry = od_find(self->od, received->index, received->sub),
-                                       .value = value,
-                                       .size = size,
-                                       .number = get_le(value, size < 8 ? size : 8) };
-    const struct co_event event = { .type = SLAVE_WRITTEN,
-                                    .node = self->node,
-                                    .index = received->index,
-                                    .sub = received->sub,
-                                    .actual = write.number };
-    const sdo_abort_t code = store_value(self, &write);
-
-    sdo_server_verdict(&self->server, code, now, out);
-    if (code != SDO_OK)
-        return;
-    co_outbox_put_event(out, &event);
-    take_over(self, received->index, received->sub, now, out);
-}
-
-/* Steps the SDO server, with a frame or without; there is room for what it may give. */
-static void step_server(struct slave *self, const struct co_frame *request, co_us_t now,
-                        struct co_outbox *out)
-{
-    struct co_frame frames[2], frame;
-    struct co_event events[2], event;
-    struct co_outbox inner;
-
-    co_outbox_init(&inner, frames, 2, events, 2);
-    if (request != NULL)
-        sdo_server_on_frame(&self->server, request, now, &inner);
-    else
-        sdo_server_on_time(&self->server, now, &inner);
-    while (co_outbox_take_frame(&inner, &frame))
-        co_outbox_put_frame(out, &frame);
-    while (co_outbox_take_event(&inner, &event))
-        if (event.type == PROTO_SDO_WRITE)
-            take_write(self, &event, now, out);
-}
-
-static void refuse_history(struct slave *self, const struct co_frame *request, co_us_t now,
-                           struct co_outbox *out)
-{
-    struct co_frame frame = *request;
-
-    frame.data[0] = 0x80;
-    put_le32(frame.data + 4, SDO_NO_DATA);
-    sdo_server_on_frame(&self->server, &frame, now, out);
-    frame.id = self->server.response_id;
-    frame.tag = 0;
-    co_outbox_put_frame(out, &frame);
-}
-
-static void serve(struct slave *self, const struct co_frame *request, co_us_t now,
-                  struct co_outbox *out)
-{
-    if (!self->server.enabled)
-        return;
-    if (!co_outbox_room(out, 2, 2))
-        self->server.dropped++;
-    else if (slave_history_lacks(self, request))
-        refuse_history(self, request, now, out);
-    else
-        step_server(self, request, now, out);
+        slave_enter_state(self, next, now, out);
 }
 
 static void on_error_control(struct slave *self, const struct co_frame *frame, co_us_t now,
@@ -293,33 +193,48 @@ static void on_error_control(struct slave *self, const struct co_frame *frame, c
         slave_answer_guarding(self, frame, now, out);
 }
 
-void slave_on_frame(struct slave *self, const struct co_frame *frame, co_us_t now,
-                    struct co_outbox *out)
+/* Frames of services whose identifiers are fixed; false for others. */
+static bool on_fixed_frame(struct slave *self, const struct co_frame *frame, co_us_t now,
+                           struct co_outbox *out)
 {
     enum nmt_command command;
 
-    if (frame->flags & (CO_FRAME_OWN | CO_FRAME_EXT))
-        return;
     if (frame->id == NMT_CAN_ID) {
         if (nmt_command_for(frame, self->node, &command))
             slave_command(self, command, now, out);
     } else if (frame->id == self->server.request_id) {
-        serve(self, frame, now, out);
-    } else if ((frame->id & 0x780u) == NMT_ERROR_CONTROL_ID && is_on(self)) {
-        on_error_control(self, frame, now, out);
+        slave_serve(self, frame, now, out);
+    } else if ((frame->id & 0x780u) == NMT_ERROR_CONTROL_ID) {
+        if (is_on(self))
+            on_error_control(self, frame, now, out);
+    } else {
+        return false;
     }
+    return true;
+}
+
+void slave_on_frame(struct slave *self, const struct co_frame *frame, co_us_t now,
+                    struct co_outbox *out)
+{
+    const bool own = (frame->flags & CO_FRAME_OWN) != 0;
+
+    slave_step_pdos(self, now, out);
+    if (own || (frame->flags & CO_FRAME_EXT) != 0 || !on_fixed_frame(self, frame, now, out))
+        if (own || !slave_hear_sync(self, frame, now, out))
+            slave_hear_pdo(self, frame, now, out);
 }
 
 void slave_on_time(struct slave *self, co_us_t now, struct co_outbox *out)
 {
+    slave_step_pdos(self, now, out);
     finish_boot_up(self, now, out);
     tell_state(self, out);
+    slave_step_sync(self, now, out);
     hb_producer_on_time(&self->heartbeat, now, out);
     slave_watch_consumers(self, now, out);
     slave_watch_guarding(self, now, out);
     emcy_producer_on_time(&self->emcy, now, out);
-    if (sdo_server_deadline(&self->server) <= now && co_outbox_room(out, 2, 2))
-        step_server(self, NULL, now, out);
+    slave_step_sdo(self, now, out);
 }
 
 co_us_t slave_deadline(const struct slave *self)
@@ -329,7 +244,9 @@ co_us_t slave_deadline(const struct slave *self)
 
     if (self->boot_up_due || self->consumers_due || self->state != self->told_state)
         return 0;
-    deadline = co_earlier(deadline, sdo_server_deadline(&self->server));
+    deadline = co_earlier(deadline, slave_sdo_deadline(self));
+    deadline = co_earlier(deadline, slave_sync_deadline(self));
+    deadline = co_earlier(deadline, slave_pdo_deadline(self));
     deadline = co_earlier(deadline, guard_slave_deadline(&self->guard));
     return co_earlier(deadline, self->consumer_deadline);
 }

@@ -105,6 +105,7 @@ struct slave {
     unsigned sync_generation;   /* ... and what changes slave_sync_plan(), or makes it begin anew */
     bool verdict_due;           /* a verdict found no room in the outbox */
     sdo_abort_t verdict;
+    uint32_t verdict_number;
     unsigned late_verdicts;
 };
 

@@ -27,7 +27,7 @@ static void update_error_register(struct slave *self)
 {
     unsigned bits = self->raised;
 
-    if (self->lost > 0)
+    if (self->lost > 0 || self->faults > 0)
         bits |= ERROR_COMMUNICATION;
     if (bits != 0)
         bits |= ERROR_GENERIC;
@@ -124,6 +124,13 @@ void slave_leave_heartbeats(struct slave *self)
     self->consumer_count = 0;
 }
 
+uint8_t slave_consumer_node(const struct slave *self, unsigned i)
+{
+    const struct hb_consumer *watch = &self->consumers[i].watch;
+
+    return watch->period > 0 && watch->node <= NMT_NODE_MAX ? watch->node : 0;
+}
+
 static void update_consumer_deadline(struct slave *self)
 {
     co_us_t deadline = CO_NEVER;
@@ -150,16 +157,16 @@ void slave_configure_consumer(struct slave *self, uint8_t sub)
     update_consumer_deadline(self);
 }
 
-static void apply_error_behaviour(struct slave *self, struct co_outbox *out)
+static void apply_error_behaviour(struct slave *self, co_us_t now, struct co_outbox *out)
 {
     switch (od_number(self->od, 0x1029, 1, TO_PREOPERATIONAL)) {
     case TO_PREOPERATIONAL:
         if (self->state == NMT_OPERATIONAL)
-            slave_enter_state(self, NMT_PREOPERATIONAL, out);
+            slave_enter_state(self, NMT_PREOPERATIONAL, now, out);
         break;
     case TO_STOPPED:
         if (self->state != NMT_STOPPED)
-            slave_enter_state(self, NMT_STOPPED, out);
+            slave_enter_state(self, NMT_STOPPED, now, out);
         break;
     default: break;
     }
@@ -182,7 +189,7 @@ void slave_error_control_lost(struct slave *self, co_us_t now, struct co_outbox 
 
     self->lost++;
     announce(self, &error, now, out);
-    apply_error_behaviour(self, out);
+    apply_error_behaviour(self, now, out);
 }
 
 void slave_error_control_back(struct slave *self, co_us_t now, struct co_outbox *out)
@@ -190,6 +197,25 @@ void slave_error_control_back(struct slave *self, co_us_t now, struct co_outbox 
     const struct emcy_message none = { .code = 0 };
 
     self->lost--;
+    announce(self, &none, now, out);
+}
+
+void slave_raise_fault(struct slave *self, const struct emcy_message *error, bool again,
+                       co_us_t now, struct co_outbox *out)
+{
+    struct emcy_message message = *error;
+
+    if (!again)
+        self->faults++;
+    message.field[0] = self->lost > 0 ? NMT_ERROR_CONTROL_BIT : 0;
+    announce(self, &message, now, out);
+}
+
+void slave_clear_fault(struct slave *self, co_us_t now, struct co_outbox *out)
+{
+    const struct emcy_message none = { .code = 0 };
+
+    self->faults--;
     announce(self, &none, now, out);
 }
 
@@ -310,6 +336,9 @@ void slave_reset_errors(struct slave *self)
 {
     self->raised = 0;
     self->lost = 0;
+    self->faults = 0;
+    self->sync_heard.wrong = false;
+    self->told_sync_wrong = false;
     update_error_register(self);
     od_set_number(self->od, 0x1003, 0, 0);
     emcy_producer_init(&self->emcy, COB_ID_INVALID);

@@ -8,6 +8,13 @@
 
 #define COB_ID_INVALID 0x80000000u /* of most communication objects; not of SYNC and TIME */
 #define COB_ID_BIT30   0x40000000u /* its meaning depends on the object */
+#define COB_ID_EXT     0x20000000u /* 29-bit identifier */
+
+#define FIRST_RPDO_OBJECT  0x1400u
+#define FIRST_RPDO_MAPPING 0x1600u
+#define FIRST_TPDO_OBJECT  0x1800u
+#define FIRST_TPDO_MAPPING 0x1A00u
+#define LAST_TPDO_OBJECT   0x1BFFu
 
 #define LAST_COMMUNICATION_OBJECT 0x1FFFu
 
@@ -48,6 +55,15 @@ void slave_watch_consumers(struct slave *self, co_us_t now, struct co_outbox *ou
 /* The master or a watched node is silent: emergency, and what 1029h says. Room: 2 events. */
 void slave_error_control_lost(struct slave *self, co_us_t now, struct co_outbox *out);
 void slave_error_control_back(struct slave *self, co_us_t now, struct co_outbox *out);
+/*
+ * Something of the device's communication is wrong (instead: 'again', it was already, in another
+ * way), or right again. Room: 1 event.
+ */
+void slave_raise_fault(struct slave *self, const struct emcy_message *error, bool again,
+                       co_us_t now, struct co_outbox *out);
+void slave_clear_fault(struct slave *self, co_us_t now, struct co_outbox *out);
+/* The node that sub-index i+1 of 1016h watches; 0: none. */
+uint8_t slave_consumer_node(const struct slave *self, unsigned i);
 /* Errors that 1003h does not have are no data, which the dictionary cannot say. */
 bool slave_history_lacks(const struct slave *self, const struct co_frame *request);
 
@@ -63,7 +79,81 @@ void slave_watch_guarding(struct slave *self, co_us_t now, struct co_outbox *out
  */
 void slave_configure_guarding(struct slave *self, co_us_t now, struct co_outbox *out);
 
+/* The CAN-ID of a COB-ID, with COB_ID_EXT where it has 29 bits. */
+uint32_t slave_can_id(uint32_t cob_id);
+
+/* slave_sdo.c: the SDO server, and what its writes mean. */
+co_us_t slave_heartbeat_period(const struct slave *self);
+/* What a new value of a communication object changes besides the dictionary. */
+void slave_take_over(struct slave *self, uint16_t index, uint8_t sub, co_us_t now,
+                     struct co_outbox *out);
+void slave_serve(struct slave *self, const struct co_frame *request, co_us_t now,
+                 struct co_outbox *out);
+void slave_step_sdo(struct slave *self, co_us_t now, struct co_outbox *out);
+co_us_t slave_sdo_deadline(const struct slave *self);
+
+/* Which TPDO maps an entry. */
+struct slave_mapped {
+    const struct od_entry *entry;
+    uint16_t tpdo; /* its place in slave_pdos.tpdos */
+};
+
+/* The PDOs of a device. Slots number the RPDOs and, behind them, the TPDOs. */
+struct slave_pdos {
+    struct rpdo *rpdos; /* by number, which may have gaps */
+    struct tpdo *tpdos;
+    unsigned rpdo_count, tpdo_count;
+    struct pdo_field *fields; /* of all mappings */
+    uint16_t *first;          /* by a CAN-ID's low bits: slot + 1 of a valid PDO; 0: none */
+    uint16_t *next;           /* by slot: the next one with the same low bits */
+    struct slave_mapped *mapped;
+    unsigned mapped_count;
+    bool mapped_stale; /* a mapping has changed since */
+    bool hold;
+    bool running;     /* NMT state operational */
+    co_us_t deadline; /* none of the PDOs has an earlier one */
+};
+
+/* slave_pdo_table.c: the PDOs that there are, their parameters and mappings. */
+enum co_err slave_make_pdos(struct slave *self);
+void slave_free_pdos(struct slave *self);
+/* All parameters anew, no faults. */
+void slave_reset_pdos(struct slave *self, co_us_t now);
+void slave_configure_pdo(struct slave *self, uint16_t index, uint8_t sub, co_us_t now,
+                         struct co_outbox *out);
+/* Slot + 1 of the first valid PDO that may have this identifier; 0: none. */
+unsigned slave_first_slot(const struct slave_pdos *pdos, uint32_t can_id);
+/* Those that map an entry, from the place returned up to another entry or the end of 'mapped'. */
+const struct slave_mapped *slave_tpdos_of(struct slave_pdos *pdos, const struct od_entry *entry);
+bool slave_has_synchronous_pdo(const struct slave *self);
+
+/* slave_pdo.c: what they do. */
+void slave_run_pdos(struct slave *self, bool run, co_us_t now, struct co_outbox *out);
+void slave_step_tpdo(struct slave *self, struct tpdo *tpdo, co_us_t now, struct co_outbox *out);
+void slave_step_rpdo(struct slave *self, struct rpdo *rpdo, co_us_t now, struct co_outbox *out);
+/* What is due. */
+void slave_step_pdos(struct slave *self, co_us_t now, struct co_outbox *out);
+co_us_t slave_pdo_deadline(const struct slave *self);
+void slave_hear_pdo(struct slave *self, const struct co_frame *frame, co_us_t now,
+                    struct co_outbox *out);
+void slave_sync_pdos(struct slave *self, const struct tpdo_sync *sync, co_us_t now,
+                     struct co_outbox *out);
+enum co_err slave_mapped_changed(struct slave *self, const struct od_entry *entry, co_us_t now,
+                                 struct co_outbox *out);
+
+/* slave_sync.c: 1005h, 1006h, 1007h, 1019h. */
+void slave_configure_sync(struct slave *self);
+void slave_enable_sync(struct slave *self, bool enabled);
+/* PDOs have changed: does anything depend on SYNC? */
+void slave_update_sync_consumer(struct slave *self);
+/* False: it is none, or nothing to this device. */
+bool slave_hear_sync(struct slave *self, const struct co_frame *frame, co_us_t now,
+                     struct co_outbox *out);
+void slave_step_sync(struct slave *self, co_us_t now, struct co_outbox *out);
+co_us_t slave_sync_deadline(const struct slave *self);
+
 /* slave.c */
-void slave_enter_state(struct slave *self, enum nmt_state state, struct co_outbox *out);
+void slave_enter_state(struct slave *self, enum nmt_state state, co_us_t now,
+                       struct co_outbox *out);
 
 #endif

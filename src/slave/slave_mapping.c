@@ -140,3 +140,10 @@ sdo_abort_t slave_check_mapping(const struct slave_write *write)
         return SDO_ACCESS;
     return write->entry->sub == 0 ? check_count(write, transmit) : check_entry(write, transmit);
 }
+
+sdo_abort_t slave_check_mapped(const struct od *od, uint32_t mapping_entry, bool transmit)
+{
+    const struct mapped mapped = take_apart(mapping_entry);
+
+    return check_object(od, &mapped, transmit);
+}

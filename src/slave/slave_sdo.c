@@ -1,0 +1,223 @@
+#include "slave/slave_internal.h"
+
+#include "base/bytes.h"
+#include "proto/event.h"
+
+#include <string.h>
+
+/* Outbox room for what one request may cause. */
+static bool has_room(const struct co_outbox *out)
+{
+    return co_outbox_room(out, 2, 2);
+}
+
+co_us_t slave_heartbeat_period(const struct slave *self)
+{
+    return CO_MS(od_number(self->od, 0x1017, 0, 0));
+}
+
+void slave_take_over(struct slave *self, uint16_t index, uint8_t sub, co_us_t now,
+                     struct co_outbox *out)
+{
+    if (index >= FIRST_RPDO_OBJECT && index <= LAST_TPDO_OBJECT) {
+        slave_configure_pdo(self, index, sub, now, out);
+    } else if (index == 0x1005 || index == 0x1006 || index == 0x1007 || index == 0x1019) {
+        slave_configure_sync(self);
+    } else if (index == 0x1014 || index == 0x1015) {
+        slave_configure_emcy(self);
+    } else if (index == 0x100C || index == 0x100D) {
+        slave_configure_guarding(self, now, out);
+    } else if (index == 0x1016) {
+        slave_configure_consumer(self, sub);
+        slave_watch_consumers(self, now, out);
+        self->listen_generation++;
+    } else if (index == 0x1017) {
+        hb_producer_start(&self->heartbeat, slave_heartbeat_period(self), true, now);
+        slave_configure_guarding(self, now, out);
+        hb_producer_on_time(&self->heartbeat, now, out);
+    }
+}
+
+/* The value in the server's buffer. */
+static struct slave_write received_write(const struct slave *self)
+{
+    const struct sdo_server *server = &self->server;
+    const uint8_t *value = sdo_server_value(server);
+
+    return (struct slave_write){ .od = self->od,
+                                 .entry = od_find(self->od, server->index, server->sub),
+                                 .value = value,
+                                 .size = server->size,
+                                 .number = get_le(value, server->size < 8 ? server->size : 8) };
+}
+
+static bool changes(const struct slave_write *write)
+{
+    return write->entry->size != write->size ||
+           memcmp(write->entry->value, write->value, write->size) != 0;
+}
+
+static sdo_abort_t store_value(struct slave *self, const struct slave_write *write)
+{
+    const sdo_abort_t code = slave_check_write(write);
+
+    if (code != SDO_OK)
+        return code;
+    if (slave_is_store_command(write))
+        return slave_execute_store(self, write);
+    slave_note_change(self, write);
+    return od_set(write->entry, write->value, write->size);
+}
+
+/* Stores the value if the code says so, and answers. */
+static void finish_write(struct slave *self, sdo_abort_t code, co_us_t now, struct co_outbox *out)
+{
+    const struct slave_write write = received_write(self);
+    const struct co_event event = { .type = SLAVE_WRITTEN,
+                                    .node = self->node,
+                                    .index = write.entry->index,
+                                    .sub = write.entry->sub,
+                                    .actual = write.number };
+    const bool other = write.entry->map_count > 0 && changes(&write);
+
+    if (code == SDO_OK)
+        code = store_value(self, &write);
+    sdo_server_verdict(&self->server, code, now, out);
+    if (code != SDO_OK)
+        return;
+    co_outbox_put_event(out, &event);
+    slave_take_over(self, event.index, event.sub, now, out);
+    if (other)
+        slave_mapped_changed(self, write.entry, now, out);
+}
+
+/* What the device itself has against it comes before the application is asked. */
+static void ask_for_verdict(struct slave *self, const struct co_event *received, co_us_t now,
+                            struct co_outbox *out)
+{
+    const struct slave_write write = received_write(self);
+    const sdo_abort_t code = slave_check_write(&write);
+    struct co_event event = *received;
+
+    if (code != SDO_OK) {
+        sdo_server_verdict(&self->server, code, now, out);
+        return;
+    }
+    event.type = SLAVE_VERDICT;
+    event.node = self->node;
+    co_outbox_put_event(out, &event);
+}
+
+static void take_write(struct slave *self, const struct co_event *received, co_us_t now,
+                       struct co_outbox *out)
+{
+    if (od_find(self->od, received->index, received->sub)->watched)
+        ask_for_verdict(self, received, now, out);
+    else
+        finish_write(self, SDO_OK, now, out);
+}
+
+static bool waits_for_verdict(const struct slave *self, uint32_t number, co_us_t now)
+{
+    const struct sdo_server *server = &self->server;
+
+    return server->state == SDO_SERVER_VERDICT && server->number == number && !server->unsent &&
+           now < server->deadline;
+}
+
+static void execute_verdict(struct slave *self, co_us_t now, struct co_outbox *out)
+{
+    if (!self->verdict_due || !has_room(out))
+        return;
+    self->verdict_due = false;
+    if (waits_for_verdict(self, self->verdict_number, now))
+        finish_write(self, self->verdict, now, out);
+}
+
+void slave_verdict(struct slave *self, uint32_t number, sdo_abort_t code, co_us_t now,
+                   struct co_outbox *out)
+{
+    if (self->verdict_due || !waits_for_verdict(self, number, now))
+        return;
+    self->verdict = code;
+    self->verdict_number = number;
+    self->verdict_due = true;
+    execute_verdict(self, now, out);
+}
+
+/* Steps the SDO server, with a frame or without; there is room for what it may give. */
+static void step_server(struct slave *self, const struct co_frame *request, co_us_t now,
+                        struct co_outbox *out)
+{
+    struct co_frame frames[2], frame;
+    struct co_event events[2], event;
+    struct co_outbox inner;
+
+    co_outbox_init(&inner, frames, 2, events, 2);
+    if (request != NULL)
+        sdo_server_on_frame(&self->server, request, now, &inner);
+    else
+        sdo_server_on_time(&self->server, now, &inner);
+    while (co_outbox_take_frame(&inner, &frame))
+        co_outbox_put_frame(out, &frame);
+    while (co_outbox_take_event(&inner, &event))
+        if (event.type == PROTO_SDO_WRITE)
+            take_write(self, &event, now, out);
+}
+
+static void refuse_history(struct slave *self, const struct co_frame *request, co_us_t now,
+                           struct co_outbox *out)
+{
+    struct co_frame frame = *request;
+
+    frame.data[0] = 0x80;
+    put_le32(frame.data + 4, SDO_NO_DATA);
+    sdo_server_on_frame(&self->server, &frame, now, out);
+    frame.id = self->server.response_id;
+    frame.tag = 0;
+    co_outbox_put_frame(out, &frame);
+}
+
+void slave_serve(struct slave *self, const struct co_frame *request, co_us_t now,
+                 struct co_outbox *out)
+{
+    if (!self->server.enabled)
+        return;
+    execute_verdict(self, now, out); /* if that still waits for room, it ends with its transfer */
+    if (!has_room(out))
+        self->server.dropped++;
+    else if (slave_history_lacks(self, request))
+        refuse_history(self, request, now, out);
+    else
+        step_server(self, request, now, out);
+}
+
+static void tell_late_verdict(struct slave *self, struct co_outbox *out)
+{
+    const struct co_event event = { .type = SLAVE_VERDICT_LATE,
+                                    .node = self->node,
+                                    .index = self->server.index,
+                                    .sub = self->server.sub };
+
+    self->late_verdicts++;
+    co_outbox_put_event(out, &event);
+}
+
+void slave_step_sdo(struct slave *self, co_us_t now, struct co_outbox *out)
+{
+    const struct sdo_server *server = &self->server;
+    bool late;
+
+    execute_verdict(self, now, out);
+    if (sdo_server_deadline(server) > now || !has_room(out))
+        return;
+    late = server->state == SDO_SERVER_VERDICT && !server->unsent;
+    step_server(self, NULL, now, out);
+    if (late)
+        tell_late_verdict(self, out);
+}
+
+co_us_t slave_sdo_deadline(const struct slave *self)
+{
+    return self->verdict_due ? 0 : sdo_server_deadline(&self->server);
+}

@@ -223,7 +223,7 @@ void scan_sdo_work(void *context, const void *element);
 /* ---- scan_events.c ---- */
 
 /* Under the network's lock: what a node's slave tells. */
-void scan_on_event(void *context, struct network *network, const struct co_event *event);
+void scan_on_node_event(void *context, struct network *network, const struct co_event *event);
 /* What the network tells all its nodes. */
 void scan_on_net_event(void *context, struct network *network, const struct co_event *event);
 void scan_nmt_work(void *context, const void *element);

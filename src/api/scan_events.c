@@ -55,7 +55,7 @@ static void note_confirmed(struct scan_node *node, const struct co_event *event)
         pdo->confirmed++;
 }
 
-void scan_on_event(void *context, struct network *network, const struct co_event *event)
+void scan_on_node_event(void *context, struct network *network, const struct co_event *event)
 {
     struct scan_node *node = context;
 

@@ -56,7 +56,8 @@ static int make_node(struct scan_net *net, const struct order *order, struct sca
     node->net = net;
     node->id = (uint8_t)order->id;
     result = make_parts(node, order);
-    if (result == SCANOPEN_OK && network_add(net->network, node->id, scan_on_event, node) != CO_OK)
+    if (result == SCANOPEN_OK &&
+        network_add(net->network, node->id, scan_on_node_event, node) != CO_OK)
         result = SCANOPEN_WRONG_PARAMETER; /* the node-ID is in use */
     if (result != SCANOPEN_OK) {
         scan_free_node(node);

@@ -2,8 +2,8 @@
 # Builds and tests everything: sh tests/run.sh [--all] [LANE...]
 #
 #   (nothing)   debug build, unit and scenario tests, rules of the house, vcan
-#   --all       and peers of other make, formatting, lint, sanitizers, 32 bit, valgrind, fuzzing,
-#               release build
+#   --all       and peers of other make, tests without the function they test, formatting, lint,
+#               sanitizers, 32 bit, valgrind, fuzzing, release build
 #   LANE        only these lanes, by name (and "debug", which others need)
 #
 # Missing packages are installed with apt-get; MCANOPEN_INSTALL=no leaves the system alone.
@@ -263,6 +263,12 @@ valgrind_one()
         --errors-for-leak-kinds=definite,possible "$@"
 }
 
+# Each function of the slave API is taken away once: the tests that are named for it must fail.
+run_contract()
+{
+    python3 -B tests/disabling/run.py "$build/debug"
+}
+
 # Refused input leaves nothing behind: each way out under valgrind.
 run_refusals()
 {
@@ -292,6 +298,7 @@ run_ordinary()
 run_more()
 {
     lane interop run_interop
+    lane contract run_contract
     lane format run_format
     lane tidy run_tidy
     lane asan test_preset asan -LE house

@@ -3,7 +3,7 @@
  * it, and an observer that sends frames to them and sees what they send. Several plants with
  * different network numbers may stand side by side. Real threads, real time, no sleeps: what is
  * waited for is a frame, a note (scan_notes.h) or a state. Texts of frames are those of candump,
- * "601#4000100000000000", "181#R".
+ * "601#4000100000000000"; remote frames have their length, "181#R0".
  *
  *     struct scan_plant *plant = scan_plant_new(0);
  *     HNODE node = scan_node(plant, 5, NULL);
@@ -38,6 +38,8 @@ struct scan_plant;
 struct scan_plant *scan_plant_new(int net);
 /* The same, but the network is left to the test; the environment leads it to the bus. */
 struct scan_plant *scan_plant_bare(int net);
+/* The same on a bus where frames take the time that they need at 'kbit' kbit/s. */
+struct scan_plant *scan_plant_slow(int net, unsigned kbit);
 /*
  * Removes the plant's nodes and its network, those that are left, and the observer. A function that
  * returns "not implemented" does not fail here but in the test that is about it.
@@ -78,7 +80,7 @@ int scan_set(HNODE node, unsigned short index, unsigned short sub, uint32_t valu
 /* --- the bus --- */
 
 void scan_send(struct scan_plant *self, const char *frame);
-/* The next frame is this one; waits for it. */
+/* The next frame is this one; waits for it. "185#R*" is any that begins like this. */
 void scan_expect(struct scan_plant *self, const char *frame);
 /* Skips frames until this one; false: it did not come within ms. */
 bool scan_await_within(struct scan_plant *self, const char *frame, unsigned ms);

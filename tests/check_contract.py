@@ -1,0 +1,97 @@
+#!/usr/bin/env python3
+"""Every public name of the slave headers stands in tests/contract.tsv, with its test.
+
+    check_contract.py [--root DIR]
+
+Both ways: each name of the headers has exactly one row, and each row a name that is there (see
+contract.py). The test has to exist, and its source to use the name: the function, the error code,
+the member, the constant.
+"""
+import argparse
+import re
+import sys
+from pathlib import Path
+
+import contract
+
+TABLE = "tests/contract.tsv"
+FOLDERS = ("tests", "tests/scenario", "tests/vcan")
+CASE = re.compile(r"\bSTART_TEST\((\w+)\)")
+
+
+class Sources:
+    """The test programs' sources, each with the helpers that it includes."""
+
+    def __init__(self, root):
+        self.root = root
+        self.texts = {}
+
+    def text(self, program):
+        """None: there is no such program."""
+        if program not in self.texts:
+            paths = (self.root / f / f"{program}.c" for f in FOLDERS)
+            path = next((p for p in paths if p.exists()), None)
+            self.texts[program] = path and path.read_text(encoding="utf-8")
+        return self.texts[program]
+
+    def uses(self, program, word):
+        text = self.text(program)
+        texts = [text] + [self.helper(h) for h in re.findall(r'"support/(scan_\w+)\.h"', text)]
+        return any(re.search(rf"\b{word}\b", t) for t in texts)
+
+    def helper(self, name):
+        path = self.root / "tests" / "support" / f"{name}.c"
+        return path.read_text(encoding="utf-8") if path.exists() else ""
+
+
+def check_test(row, sources):
+    """What is wrong with the test of a row, one text at most."""
+    program, _, case = row.test.partition(":")
+    text = sources.text(program)
+    if text is None:
+        return f"there is no test program {program}"
+    if case not in CASE.findall(text):
+        return f"{program} has no test {case or '(none named)'}"
+    words = row.name.replace(".", " ").split()
+    words = words[-1:] if row.kind == "member" else words
+    missing = [w for w in words if not sources.uses(program, w)]
+    return f"{program} does not use {missing[0]}" if missing else None
+
+
+def check_row(row, names, sources):
+    if (row.kind, row.name) not in names:
+        return f"{row.kind} {row.name} is in no header"
+    if row.has_test:
+        return check_test(row, sources)
+    return None if row.remark else f"{row.name}: '{row.test}' needs a remark"
+
+
+def check_rows(rows, names, sources):
+    seen = set()
+    for row in rows:
+        finding = check_row(row, names, sources)
+        if (row.kind, row.name) in seen:
+            finding = f"{row.kind} {row.name} has another row"
+        seen.add((row.kind, row.name))
+        if finding:
+            yield f"{TABLE}:{row.line}: {finding}"
+    for kind, name in sorted(names - seen):
+        yield f"{TABLE}: lacks {kind} {name}"
+
+
+def main(arguments):
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--root", type=Path, default=Path(__file__).resolve().parent.parent)
+    root = parser.parse_args(arguments).root
+    names = contract.public_names(contract.read_headers(root / "include"))
+    rows = contract.parse_rows((root / TABLE).read_text(encoding="utf-8"))
+    findings = list(check_rows(rows, names, Sources(root)))
+    print("\n".join(findings))
+    counts = {test: sum(row.test == test for row in rows) for test in ("later", "none")}
+    print(f"check_contract: {len(rows)} names, {counts['later']} for later, {counts['none']} "
+          f"without test, {len(findings)} findings")
+    return 1 if findings or not names else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

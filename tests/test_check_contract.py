@@ -1,0 +1,149 @@
+#!/usr/bin/env python3
+"""check_contract.py finds the names of headers, and each way in which the table can be wrong."""
+import contextlib
+import io
+import tempfile
+import unittest
+from pathlib import Path
+
+import check_contract
+import contract
+
+TYPES = """
+#ifndef SCANOPEN_TYPES_H
+#define SCANOPEN_TYPES_H
+#define SCANOPEN_OK 0
+#define SCANOPEN_WRONG_INDEX (-1001) /* a code, SCANOPEN_NOT_THERE */
+#define SCANOPEN_WRONG_PARAMETER (-1006)
+#define SCANOPEN_INVALID_HANDLE (-1017)
+#define SCANOPEN_SERVICE_NOT_ALLOWED (-1014)
+#define EV_RESET 4UL
+#define LIST(a, b) \\
+    ((a) << 16 | (b))
+enum { NodeInit = 0, NodeStopped };
+typedef struct node *HNODE;
+typedef HNODE HNDO;
+typedef int (*PFN_HANDLER)(int Net, void *Data);
+typedef struct {
+    unsigned long ulArg1, ulReserved[4]; /* ulNothing; */
+    union {
+        unsigned long ulArg2;
+        void *pArg2;
+    } arg;
+} EVENT, *pEVENT;
+typedef struct {
+    int hidden;
+} _COS_ENTRY;
+#endif
+"""
+FUNCTIONS = """
+/* Makes. Not from
+ * callbacks. */
+MCANOPEN_API int canOpenMake(HNODE Node, int *Number);
+/*
+ * Reads one.
+ *   SCANOPEN_WRONG_INDEX  no such thing; never SCANOPEN_OK
+ */
+MCANOPEN_API int canOpenReadDictionary(HNODE Node,
+                                       void *Data);
+/* As canOpenReadDictionary. */
+MCANOPEN_API int canOpenReadDictionaryHnd(HDICT Entry, void *Data);
+MCANOPEN_API void canOpenGetVersions(int *Versions);
+"""
+NAMES = {
+    ("constant", "SCANOPEN_OK"), ("constant", "NodeInit"), ("constant", "NodeStopped"),
+    ("event", "EV_RESET"), ("macro", "LIST"), ("type", "HNODE"), ("type", "HNDO"),
+    ("type", "PFN_HANDLER"), ("type", "EVENT"), ("type", "pEVENT"), ("member", "EVENT.ulArg1"),
+    ("member", "EVENT.ulReserved"), ("member", "EVENT.ulArg2"), ("member", "EVENT.pArg2"),
+    ("function", "canOpenMake"), ("function", "canOpenReadDictionary"),
+    ("function", "canOpenReadDictionaryHnd"), ("function", "canOpenGetVersions"),
+    ("error", "canOpenMake SCANOPEN_INVALID_HANDLE"),
+    ("error", "canOpenMake SCANOPEN_WRONG_PARAMETER"),
+    ("error", "canOpenMake SCANOPEN_SERVICE_NOT_ALLOWED"),
+    ("error", "canOpenReadDictionary SCANOPEN_INVALID_HANDLE"),
+    ("error", "canOpenReadDictionary SCANOPEN_WRONG_PARAMETER"),
+    ("error", "canOpenReadDictionary SCANOPEN_WRONG_INDEX"),
+    ("error", "canOpenReadDictionaryHnd SCANOPEN_INVALID_HANDLE"),
+    ("error", "canOpenReadDictionaryHnd SCANOPEN_WRONG_PARAMETER"),
+}
+SOURCE = "START_TEST(it_makes)\n{ canOpenMake(SCANOPEN_OK, ulArg1); }\n"
+
+
+def row(kind, name, test="later", remark="not yet"):
+    return f"{kind}\t{name}\t{test}\t{remark}\n"
+
+
+def table(*changed):
+    """A table that is right, but for these lines."""
+    changed_names = [tuple(line.split("\t")[:2]) for line in changed]
+    return "# comment\n" + "".join(row(*n) for n in sorted(NAMES) if n not in changed_names) + \
+        "".join(changed)
+
+
+def run(text):
+    output = io.StringIO()
+    with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(output):
+        root = Path(folder)
+        (root / "include").mkdir()
+        (root / "tests").mkdir()
+        for name, header in zip(contract.HEADERS, (FUNCTIONS, TYPES, "")):
+            (root / "include" / name).write_text(header, encoding="utf-8")
+        (root / "tests" / "test_make.c").write_text(SOURCE, encoding="utf-8")
+        (root / "tests" / "contract.tsv").write_text(text, encoding="utf-8")
+        code = check_contract.main(["--root", folder])
+    return code, output.getvalue()
+
+
+class Names(unittest.TestCase):
+    def test_all_of_the_headers(self):
+        self.assertEqual(contract.public_names([FUNCTIONS, TYPES]), NAMES)
+
+
+class Table(unittest.TestCase):
+    def expect(self, finding, text):
+        code, output = run(text)
+        self.assertEqual(code, 1, output)
+        self.assertIn(finding, output)
+        self.assertIn(", 1 findings", output)
+
+    def test_right(self):
+        code, output = run(table(row("function", "canOpenMake", "test_make:it_makes", ""),
+                                 row("member", "EVENT.ulArg1", "test_make:it_makes", "")))
+        self.assertEqual(code, 0, output)
+
+    def test_name_without_row(self):
+        lines = table().splitlines(True)
+        self.expect("lacks event EV_RESET", "".join(k for k in lines if "EV_RESET" not in k))
+
+    def test_row_without_name(self):
+        self.expect("canOpenBreak is in no header", table(row("function", "canOpenBreak")))
+
+    def test_wrong_kind(self):
+        self.expect("constant EV_RESET is in no header", table() + row("constant", "EV_RESET"))
+
+    def test_two_rows(self):
+        self.expect("has another row", table() + row("event", "EV_RESET"))
+
+    def test_no_such_program(self):
+        self.expect("no test program test_break",
+                    table(row("function", "canOpenMake", "test_break:it_makes")))
+
+    def test_no_such_test(self):
+        for test in ("test_make:it_breaks", "test_make"):
+            self.expect("test_make has no test", table(row("function", "canOpenMake", test)))
+
+    def test_name_not_used(self):
+        self.expect("test_make does not use SCANOPEN_WRONG_PARAMETER",
+                    table(row("error", "canOpenMake SCANOPEN_WRONG_PARAMETER",
+                              "test_make:it_makes")))
+
+    def test_no_remark(self):
+        self.expect("needs a remark", table(row("event", "EV_RESET", "none", "")))
+
+    def test_no_table(self):
+        with self.assertRaises(ValueError):
+            run("function canOpenMake later\n")
+
+
+if __name__ == "__main__":
+    unittest.main()

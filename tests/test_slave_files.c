@@ -75,6 +75,7 @@ static bool power_up(const char *text, size_t size)
     od_init(&od);
     ck_assert_int_eq(dcf_make_od(&dcf, node_of(&dcf), &messages, &od), CO_OK);
     ck_assert_int_eq(slave_init(&slave, node_of(&dcf), &od), CO_OK);
+    slave.assume_sync = true;
     sdo_client_init(&client, node_of(&dcf));
     co_outbox_init(&from_slave, slave_frames, 8, slave_events, 8);
     co_outbox_init(&from_client, client_frames, 8, client_events, 8);

@@ -123,7 +123,9 @@ static const struct {
     { 0x1005, 0, 4, 0x40000090, SDO_OK },
     { 0x1005, 0, 4, 0x80000080, SDO_OK },
     { 0x1005, 0, 4, 0x7F, SDO_INVALID_VALUE },
-    { 0x1005, 0, 4, 0x20000080, SDO_INVALID_VALUE },
+    { 0x1005, 0, 4, 0x20000080, SDO_OK },
+    { 0x1005, 0, 4, 0x3FFFFFFF, SDO_OK },
+    { 0x1005, 0, 4, 0x205, SDO_INVALID_VALUE }, /* taken by an RPDO */
     { 0x1005, 0, 4, 0x00000880, SDO_INVALID_VALUE },
     { 0x1005, 0, 4, 0x10000080, SDO_INVALID_VALUE },
     { 0x1006, 0, 4, 0xFFFFFFFF, SDO_OK },
@@ -186,6 +188,15 @@ static const struct {
     { 0x1400, 1, 4, 0xC0000205, SDO_INVALID_VALUE },
     { 0x1400, 1, 4, 0x20000205, SDO_INVALID_VALUE },
     { 0x1400, 1, 4, OFF, SDO_OK },
+    { 0x1401, 1, 4, 0x305, SDO_OK },
+    { 0x1401, 1, 4, 0x205, SDO_OK }, /* RPDOs share one */
+    { 0x1401, 1, 4, 0x2000007F, SDO_OK },
+    { 0x1401, 1, 4, 0x3FFFFFFF, SDO_OK },
+    { 0x1401, 1, 4, 0x1FFFFFFF, SDO_INVALID_VALUE },
+    { 0x1401, 1, 4, 0x185, SDO_INVALID_VALUE },
+    { 0x1401, 1, 4, 0x80, SDO_INVALID_VALUE },
+    { 0x1401, 1, 4, 0x85, SDO_INVALID_VALUE },
+    { 0x1401, 1, 4, 0x80000185, SDO_OK },
     { 0x1400, 2, 1, 0, SDO_OK },
     { 0x1400, 2, 1, 240, SDO_OK },
     { 0x1400, 2, 1, 241, SDO_INVALID_VALUE },
@@ -209,6 +220,11 @@ static const struct {
     { 0x1800, 6, 1, 1, SDO_INVALID_VALUE },
     { 0x1801, 1, 4, 0x40000285, SDO_OK },
     { 0x1801, 1, 4, 0x40000000, SDO_INVALID_VALUE },
+    { 0x1801, 1, 4, 0x20000285, SDO_OK },
+    { 0x1801, 1, 4, 0x185, SDO_INVALID_VALUE },
+    { 0x1801, 1, 4, 0x205, SDO_INVALID_VALUE },
+    { 0x1801, 1, 4, 0x40000205, SDO_INVALID_VALUE },
+    { 0x1801, 1, 4, 0x100, SDO_OK }, /* TIME is not in use */
     { 0x1801, 2, 1, 252, SDO_INVALID_VALUE },
     { 0x1801, 2, 1, 253, SDO_INVALID_VALUE },
     /* Mapping of PDOs that are valid. */
@@ -245,6 +261,24 @@ static bool is_restricted(uint32_t id)
            (id > 0x600 && id < 0x680) || (id >= 0x6E0 && id < 0x700) || id > 0x700;
 }
 
+/* Identifiers of the other objects; RPDOs may have that of another RPDO. */
+static bool is_taken(uint16_t index, uint32_t id)
+{
+    static const struct {
+        uint16_t index;
+        uint32_t id;
+    } users[] = { { 0x1005, 0x80 },  { 0x1014, 0x85 },  { 0x1400, 0x205 }, { 0x1402, 0x405 },
+                  { 0x1403, 0x181 }, { 0x1800, 0x185 }, { 0x1804, 0x180 } };
+
+    if (index == 0x1028 || index == 0x1012) /* what others send; not in use */
+        return false;
+    for (size_t i = 0; i < sizeof users / sizeof users[0]; i++)
+        if (users[i].id == id && users[i].index != index &&
+            !(index == 0x1400 && users[i].index < 0x1600 && users[i].index >= 0x1400))
+            return true;
+    return false;
+}
+
 /* All identifiers, on each object that has one. */
 START_TEST(restricted_can_ids)
 {
@@ -265,7 +299,7 @@ START_TEST(restricted_can_ids)
         if (objects[_i].switched)
             ck_assert_uint_eq(device_write(&device, index, sub, 4, off), SDO_OK);
         ck_assert_msg(device_write(&device, index, sub, 4, id) ==
-                          (is_restricted(id) ? SDO_INVALID_VALUE : SDO_OK),
+                          (is_restricted(id) || is_taken(index, id) ? SDO_INVALID_VALUE : SDO_OK),
                       "%04X: CAN-ID %03X", index, id);
         device_forget(&device);
     }
@@ -293,7 +327,10 @@ static const struct {
     { "TIME: consumer or producer",
       { { 0x1012, 0, 4, 0x80000100, SDO_OK }, { 0x1012, 0, 4, 0x80000181, SDO_INVALID_VALUE },
         { 0x1012, 0, 4, 0x40000181, SDO_INVALID_VALUE }, { 0x1012, 0, 4, 0x181, SDO_OK },
-        { 0x1012, 0, 4, 0xC0000181, SDO_OK }, { 0x1012, 0, 4, 0x40000181, SDO_OK } } },
+        { 0x1012, 0, 4, 0xC0000181, SDO_INVALID_VALUE }, /* RPDO 4 has it */
+        { 0x1012, 0, 4, 0xC0000182, SDO_OK }, { 0x1012, 0, 4, 0x40000182, SDO_OK },
+        { 0x1401, 1, 4, 0x182, SDO_INVALID_VALUE }, { 0x1012, 0, 4, 0x182, SDO_OK },
+        { 0x1401, 1, 4, 0x182, SDO_OK } } },
     { "the SYNC counter while SYNC is produced",
       { { 0x1006, 0, 4, 1000, SDO_OK }, { 0x1019, 0, 1, 1, SDO_INVALID_VALUE },
         { 0x1019, 0, 1, 10, SDO_DEVICE_STATE }, { 0x1006, 0, 4, 0, SDO_OK },
@@ -313,7 +350,7 @@ static const struct {
     { "a PDO is off while its parameters change",
       { { 0x1800, 1, 4, 0x80000185, SDO_OK }, { 0x1800, 3, 2, 10, SDO_OK },
         { 0x1800, 6, 1, 240, SDO_OK }, { 0x1800, 6, 1, 241, SDO_INVALID_VALUE },
-        { 0x1800, 1, 4, 0x285, SDO_OK }, { 0x1800, 3, 2, 11, SDO_INVALID_VALUE },
+        { 0x1801, 1, 4, 0x185, SDO_OK }, { 0x1800, 1, 4, 0x285, SDO_OK }, { 0x1800, 3, 2, 11, SDO_INVALID_VALUE },
         { 0x1800, 2, 1, 1, SDO_OK } } },
     { "mapping, step by step",
       { { 0x1400, 1, 4, 0x80000205, SDO_OK }, { 0x1600, 0, 1, 0, SDO_OK },

@@ -135,6 +135,8 @@ static int make_device(struct sim *self, uint8_t node)
     err = result == EXIT_UP ? slave_init(&device->slave, node, &device->od) : CO_ERR_VALUE;
     if (err == CO_OK) {
         device->made = true;
+        device->slave.accept_long = true;
+        device->slave.assume_sync = true;
         err = network_add_slave(self->network, &device->slave);
     } else {
         od_done(&device->od);

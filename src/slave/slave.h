@@ -95,6 +95,7 @@ struct slave {
 
     struct slave_pdos *pdos;
     bool accept_long; /* the owner's: of RPDOs that are too long the first bytes count */
+    bool assume_sync; /* the owner's: without 1005h, which files leave out, SYNC is 080h */
     struct sync_producer sync;
     struct sync_consumer sync_heard;
     bool told_sync_wrong;

@@ -25,11 +25,14 @@ struct slave_write {
     const uint8_t *value;
     uint32_t size;
     uint64_t number; /* the value as one */
+    bool knows_sync; /* the device does */
 };
 
 /* slave_objects.c: the rules of the communication objects. */
 bool slave_is_default(const struct od_entry *entry, const uint8_t *value, uint32_t size);
 sdo_abort_t slave_check_write(const struct slave_write *write);
+/* slave_cob_ids.c: another communication object of the device uses the CAN-ID in it. */
+bool slave_can_id_is_taken(const struct slave_write *write);
 /* slave_mapping.c: those of 1600h.. and 1A00h... */
 sdo_abort_t slave_check_mapping(const struct slave_write *write);
 
@@ -142,6 +145,7 @@ enum co_err slave_mapped_changed(struct slave *self, const struct od_entry *entr
                                  struct co_outbox *out);
 
 /* slave_sync.c: 1005h, 1006h, 1007h, 1019h. */
+bool slave_knows_sync(const struct slave *self);
 void slave_configure_sync(struct slave *self);
 void slave_enable_sync(struct slave *self, bool enabled);
 /* PDOs have changed: does anything depend on SYNC? */

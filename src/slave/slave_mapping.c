@@ -80,12 +80,42 @@ static bool is_switched_on(const struct od *od, uint16_t index)
     return count != NULL && can_write(count) && od_number(od, index, 0, 0) != 0;
 }
 
+static bool is_same_object(uint64_t entry, const struct mapped *mapped)
+{
+    const struct mapped other = take_apart(entry);
+
+    return other.index == mapped->index && other.sub == mapped->sub;
+}
+
+/* The mapping at this index has the object in force already. */
+static bool is_counted(const struct od *od, uint16_t index, const struct mapped *mapped)
+{
+    const uint64_t count = od_number(od, index, 0, 0);
+
+    for (unsigned sub = 1; sub <= count && sub <= MAPPED_MAX; sub++)
+        if (is_same_object(od_number(od, index, (uint8_t)sub, 0), mapped))
+            return true;
+    return false;
+}
+
+/* An object that may be in so many PDOs is in as many others. */
+static bool is_used_up(const struct od *od, uint16_t index, const struct mapped *mapped)
+{
+    const struct od_entry *entry = od_find(od, mapped->index, mapped->sub);
+
+    if (entry == NULL || entry->map_max == 0)
+        return false;
+    return entry->map_count - (is_counted(od, index, mapped) ? 1 : 0) >= entry->map_max;
+}
+
 static sdo_abort_t check_entry(const struct slave_write *write, bool transmit)
 {
     const struct mapped mapped = take_apart(write->number);
 
     if (is_switched_on(write->od, write->entry->index))
         return SDO_ACCESS;
+    if (is_used_up(write->od, write->entry->index, &mapped))
+        return SDO_NOT_MAPPABLE;
     /* What the device description itself maps is right, whatever it tells about the object. */
     if (write->number == 0 || slave_is_default(write->entry, write->value, write->size))
         return SDO_OK;
@@ -101,6 +131,8 @@ static sdo_abort_t check_counted(const struct od *od, const struct od_entry *ent
         return SDO_PDO_LENGTH;
     mapped = take_apart(od_number(od, entry->index, entry->sub, 0));
     *bits += mapped.bits;
+    if (is_used_up(od, entry->index, &mapped))
+        return SDO_NOT_MAPPABLE;
     if (slave_is_default(entry, entry->value, entry->size))
         return mapped.bits != 0 ? SDO_OK : SDO_NO_OBJECT;
     return check_object(od, &mapped, transmit);

@@ -4,7 +4,6 @@
 
 #define CAN_ID_MASK  0x000007FFu /* of a COB-ID */
 #define CAN_ID_UPPER 0x1FFFF800u
-#define FRAME_29_BIT 0x20000000u
 #define FROZEN_BITS  0x3FFFFFFFu /* must not change while the communication object exists */
 
 #define SAVE 0x65766173u /* signatures of 1010h and 1011h */
@@ -51,7 +50,7 @@ bool slave_may_use(const struct od *od, uint32_t cob_id, bool transmit)
 
 static bool is_base_frame(uint64_t cob_id)
 {
-    return (cob_id & (FRAME_29_BIT | CAN_ID_UPPER)) == 0;
+    return (cob_id & (COB_ID_EXT | CAN_ID_UPPER)) == 0;
 }
 
 bool slave_is_default(const struct od_entry *entry, const uint8_t *value, uint32_t size)
@@ -60,14 +59,24 @@ bool slave_is_default(const struct od_entry *entry, const uint8_t *value, uint32
            memcmp(entry->initial, value, size) == 0;
 }
 
-/* Some devices come with identifiers that nobody may give them. */
-static sdo_abort_t check_can_id(const struct slave_write *write)
-{
-    const uint32_t can_id = (uint32_t)(write->number & CAN_ID_MASK);
+/* SYNC and PDOs may have 29-bit identifiers, which are restricted nowhere. */
+enum frames { BASE_FRAMES, ALL_FRAMES };
 
-    if (slave_is_default(write->entry, write->value, write->size))
-        return SDO_OK;
-    return is_base_frame(write->number) && !is_restricted(can_id) ? SDO_OK : SDO_INVALID_VALUE;
+static bool is_permitted(uint64_t cob_id, enum frames frames)
+{
+    if ((cob_id & COB_ID_EXT) != 0)
+        return frames == ALL_FRAMES;
+    return is_base_frame(cob_id) && !is_restricted((uint32_t)(cob_id & CAN_ID_MASK));
+}
+
+/* Some devices come with identifiers that nobody may give them. */
+static sdo_abort_t check_can_id(const struct slave_write *write, enum frames frames)
+{
+    const bool own = slave_is_default(write->entry, write->value, write->size);
+
+    if (slave_can_id_is_taken(write))
+        return SDO_INVALID_VALUE;
+    return own || is_permitted(write->number, frames) ? SDO_OK : SDO_INVALID_VALUE;
 }
 
 static uint64_t present(const struct slave_write *write)
@@ -87,37 +96,39 @@ static bool sets(const struct slave_write *write, uint64_t bit)
 }
 
 /* SYNC and TIME exist on their own; the bits tell whether the device takes part. */
-static sdo_abort_t check_broadcast_cob_id(const struct slave_write *write, uint64_t taking_part)
+static sdo_abort_t check_broadcast_cob_id(const struct slave_write *write, uint64_t taking_part,
+                                          enum frames frames)
 {
     if ((write->number & taking_part) != 0 && (present(write) & taking_part) != 0 &&
         changes(write, FROZEN_BITS & ~taking_part))
         return SDO_INVALID_VALUE;
-    return check_can_id(write);
+    return check_can_id(write, frames);
 }
 
 static sdo_abort_t check_sync(const struct slave_write *write)
 {
-    return check_broadcast_cob_id(write, COB_ID_BIT30);
+    return check_broadcast_cob_id(write, COB_ID_BIT30, ALL_FRAMES);
 }
 
 static sdo_abort_t check_time(const struct slave_write *write)
 {
-    return check_broadcast_cob_id(write, COB_ID_BIT30 | COB_ID_INVALID);
+    return check_broadcast_cob_id(write, COB_ID_BIT30 | COB_ID_INVALID, BASE_FRAMES);
 }
 
 /* Of an object that bit 31 switches off: then its CAN-ID means nothing. */
-static sdo_abort_t check_switched_cob_id(const struct slave_write *write)
+static sdo_abort_t check_switched_cob_id(const struct slave_write *write, enum frames frames)
 {
     if ((write->number & COB_ID_INVALID) != 0)
         return SDO_OK;
     if ((present(write) & COB_ID_INVALID) == 0 && changes(write, FROZEN_BITS))
         return SDO_INVALID_VALUE;
-    return check_can_id(write);
+    return check_can_id(write, frames);
 }
 
 static sdo_abort_t check_emcy(const struct slave_write *write)
 {
-    return sets(write, COB_ID_BIT30) ? SDO_INVALID_VALUE : check_switched_cob_id(write);
+    return sets(write, COB_ID_BIT30) ? SDO_INVALID_VALUE
+                                     : check_switched_cob_id(write, BASE_FRAMES);
 }
 
 static sdo_abort_t check_emcy_consumer(const struct slave_write *write)
@@ -200,7 +211,7 @@ static sdo_abort_t check_sdo_channel(const struct slave_write *write)
     if (client && is_base_frame(write->number) &&
         is_default_sdo((uint32_t)(write->number & CAN_ID_MASK)))
         return SDO_OK;
-    return check_can_id(write);
+    return check_can_id(write, BASE_FRAMES);
 }
 
 static bool pdo_is_valid(const struct slave_write *write)
@@ -208,11 +219,22 @@ static bool pdo_is_valid(const struct slave_write *write)
     return (od_number(write->od, write->entry->index, 1, COB_ID_INVALID) & COB_ID_INVALID) == 0;
 }
 
+/* Types that wait for a SYNC, on a device that knows none. */
+static bool lacks_sync(const struct slave_write *write)
+{
+    const bool synchronous = write->number <= 240 || write->number == 252;
+
+    return synchronous && !write->knows_sync &&
+           !slave_is_default(write->entry, write->value, write->size);
+}
+
 static sdo_abort_t check_rpdo(const struct slave_write *write)
 {
     if (write->entry->sub == 1)
-        return sets(write, COB_ID_BIT30) ? SDO_INVALID_VALUE : check_switched_cob_id(write);
-    if (write->entry->sub == 2 && write->number > 240 && write->number < 254)
+        return sets(write, COB_ID_BIT30) ? SDO_INVALID_VALUE
+                                         : check_switched_cob_id(write, ALL_FRAMES);
+    if (write->entry->sub == 2 &&
+        ((write->number > 240 && write->number < 254) || lacks_sync(write)))
         return SDO_INVALID_VALUE;
     return SDO_OK;
 }
@@ -222,7 +244,7 @@ static sdo_abort_t check_transmission_type(const struct slave_write *write)
     const bool on_request = write->number == 252 || write->number == 253;
     const uint64_t cob_id = od_number(write->od, write->entry->index, 1, 0);
 
-    if (write->number > 240 && write->number < 252)
+    if ((write->number > 240 && write->number < 252) || lacks_sync(write))
         return SDO_INVALID_VALUE;
     return on_request && (cob_id & COB_ID_BIT30) != 0 ? SDO_INVALID_VALUE : SDO_OK;
 }
@@ -230,7 +252,7 @@ static sdo_abort_t check_transmission_type(const struct slave_write *write)
 static sdo_abort_t check_tpdo(const struct slave_write *write)
 {
     switch (write->entry->sub) {
-    case 1: return check_switched_cob_id(write);
+    case 1: return check_switched_cob_id(write, ALL_FRAMES);
     case 2: return check_transmission_type(write);
     case 3: return pdo_is_valid(write) ? SDO_INVALID_VALUE : SDO_OK;
     case 6: return pdo_is_valid(write) || write->number > 240 ? SDO_INVALID_VALUE : SDO_OK;

@@ -48,7 +48,8 @@ static struct slave_write received_write(const struct slave *self)
                                  .entry = od_find(self->od, server->index, server->sub),
                                  .value = value,
                                  .size = server->size,
-                                 .number = get_le(value, server->size < 8 ? server->size : 8) };
+                                 .number = get_le(value, server->size < 8 ? server->size : 8),
+                                 .knows_sync = slave_knows_sync(self) };
 }
 
 static bool changes(const struct slave_write *write)

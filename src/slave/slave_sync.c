@@ -8,7 +8,13 @@
 #define WINDOW_LENGTH    0x1007u
 #define COUNTER_OVERFLOW 0x1019u
 
+#define SYNC_CAN_ID      0x80u /* where no object says another */
 #define EMCY_SYNC_LENGTH 0x8240u
+
+bool slave_knows_sync(const struct slave *self)
+{
+    return self->assume_sync || od_has_object(self->od, COB_ID_SYNC);
+}
 
 static co_us_t period(const struct slave *self)
 {
@@ -22,7 +28,7 @@ static bool produces(const struct slave *self)
 
 void slave_update_sync_consumer(struct slave *self)
 {
-    self->consumes_sync = od_has_object(self->od, COB_ID_SYNC) &&
+    self->consumes_sync = slave_knows_sync(self) &&
                           (produces(self) || slave_has_synchronous_pdo(self));
     self->listen_generation++;
 }
@@ -38,7 +44,7 @@ static enum sync_length expected_length(const struct slave *self)
 
 void slave_configure_sync(struct slave *self)
 {
-    const uint32_t cob_id = (uint32_t)od_number(self->od, COB_ID_SYNC, 0, 0);
+    const uint32_t cob_id = (uint32_t)od_number(self->od, COB_ID_SYNC, 0, SYNC_CAN_ID);
     const uint8_t overflow = (uint8_t)od_number(self->od, COUNTER_OVERFLOW, 0, 0);
 
     sync_producer_configure(&self->sync, cob_id, period(self), overflow);

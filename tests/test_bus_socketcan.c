@@ -339,6 +339,57 @@ START_TEST(frames_the_filters_drop_are_not_waited_for)
 }
 END_TEST
 
+/* --- own frames switched --- */
+
+START_TEST(own_frames_are_switched)
+{
+    struct bus *bus = played_open();
+    struct delivery late = played_frame(0x101, 1);
+    struct bus_rx rx;
+
+    ck_assert_int_eq(send_tagged(bus, "101#01", 1), CO_OK);
+    ck_assert_int_eq(send_tagged(bus, "101#01", 2), CO_OK);
+    ck_assert_int_eq(bus_set_own_frames(bus, false), CO_OK);
+    ck_assert_int_eq(kernel.raw_options[CAN_RAW_RECV_OWN_MSGS], 0);
+    late.flags = MSG_CONFIRM; /* the socket had it already */
+    played_deliver(&late);
+    ck_assert_int_eq(bus_receive(bus, &rx), CO_ERR_AGAIN);
+    ck_assert_int_eq(bus_set_own_frames(bus, true), CO_OK);
+    ck_assert_int_eq(kernel.raw_options[CAN_RAW_RECV_OWN_MSGS], 1);
+    ck_assert_uint_eq(confirm(bus, 0x101, 1), 2);
+    played_close(bus);
+}
+END_TEST
+
+START_TEST(frames_sent_meanwhile_are_not_waited_for)
+{
+    struct bus *bus = played_open();
+
+    ck_assert_int_eq(send_tagged(bus, "101#01", 1), CO_OK);
+    ck_assert_int_eq(bus_set_own_frames(bus, false), CO_OK);
+    for (unsigned i = 0; i < 5000; i++)
+        ck_assert_int_eq(send_tagged(bus, "102#01", 2), CO_OK);
+    ck_assert_int_eq(bus_set_own_frames(bus, true), CO_OK);
+    ck_assert_int_eq(send_tagged(bus, "102#01", 3), CO_OK);
+    ck_assert_uint_eq(confirm(bus, 0x102, 1), 3);
+    ck_assert_uint_eq(confirm(bus, 0x101, 1), 1);
+    played_close(bus);
+}
+END_TEST
+
+START_TEST(own_frames_that_cannot_be_switched_stay)
+{
+    struct bus *bus = played_open();
+
+    kernel.option_error = EINVAL;
+    kernel.failing_option = CAN_RAW_RECV_OWN_MSGS;
+    ck_assert_int_eq(bus_set_own_frames(bus, false), CO_ERR_IO);
+    ck_assert_int_eq(send_tagged(bus, "101#01", 1), CO_OK);
+    ck_assert_uint_eq(confirm(bus, 0x101, 1), 1);
+    played_close(bus);
+}
+END_TEST
+
 /* --- filters, waiting, state --- */
 
 START_TEST(filters_are_exact)
@@ -407,6 +458,9 @@ static Suite *suite_of_all(void)
     tcase_add_test(tests, time_stamps_become_monotonic);
     tcase_add_test(tests, confirmations_bring_their_tags);
     tcase_add_test(tests, frames_the_filters_drop_are_not_waited_for);
+    tcase_add_test(tests, own_frames_are_switched);
+    tcase_add_test(tests, frames_sent_meanwhile_are_not_waited_for);
+    tcase_add_test(tests, own_frames_that_cannot_be_switched_stay);
     tcase_add_test(tests, filters_are_exact);
     tcase_add_test(tests, waiting_ends_with_a_frame_a_wake_or_the_deadline);
     suite_add_tcase(suite, tests);

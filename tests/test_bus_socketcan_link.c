@@ -7,6 +7,8 @@
 
 #include <errno.h>
 #include <linux/can/error.h>
+#include <linux/can/raw.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -444,6 +446,62 @@ START_TEST(tags_end_with_the_connection)
 }
 END_TEST
 
+/* --- filters set while the socket is bound anew --- */
+
+#define REPLACED 300u
+
+struct follower {
+    _Atomic bool ended;
+    _Atomic unsigned waits;
+};
+
+static void *follow_news(void *context)
+{
+    struct follower *self = context;
+
+    for (; !self->ended; self->waits++)
+        bus_wait(bus, CO_NEVER);
+    return NULL;
+}
+
+/* Each time another interface of the name, gone again: the socket goes back to the first one. */
+static void tell_of_another(void)
+{
+    struct can_link other = kernel.link;
+
+    other.index = 9;
+    other.is_up = false;
+    played_news(CAN_LINK_IS, &other);
+    played_tell();
+}
+
+START_TEST(the_last_filters_count)
+{
+    struct bus_filter filter = { 0, 0x7FF, 0, CO_FRAME_EXT | CO_FRAME_RTR };
+    struct follower follower = { .waits = 0 };
+    pthread_t thread;
+
+    ck_assert_int_eq(pthread_create(&thread, NULL, follow_news, &follower), 0);
+    for (filter.id = 1; filter.id <= REPLACED; filter.id++) {
+        unsigned waits = follower.waits;
+
+        tell_of_another();
+        ck_assert_int_eq(bus_set_own_frames(bus, filter.id % 2), CO_OK);
+        ck_assert_int_eq(bus_set_filters(bus, &filter, 1), CO_OK);
+        while (follower.waits == waits)
+            ;
+    }
+    follower.ended = true;
+    bus_wake(bus);
+    ck_assert_int_eq(pthread_join(thread, NULL), 0);
+    settle();
+    expect_state(BUS_ACTIVE, bus_outages(bus), "can0 is up");
+    ck_assert_uint_ge(kernel.binds, 2);
+    ck_assert_uint_eq(kernel.filters[0].can_id, REPLACED);
+    ck_assert_int_eq(kernel.raw_options[CAN_RAW_RECV_OWN_MSGS], REPLACED % 2);
+}
+END_TEST
+
 /* --- everything in any order --- */
 
 static void change_interface(uint32_t choice)
@@ -520,6 +578,7 @@ int main(void)
     tcase_add_test(tests, lost_news_are_asked_for);
     tcase_add_loop_test(tests, garbage_changes_nothing, 0, 5);
     tcase_add_test(tests, tags_end_with_the_connection);
+    tcase_add_test(tests, the_last_filters_count);
     tcase_add_loop_test(tests, in_the_end_it_is_as_the_kernel_says, 0, 40);
     return suite_run("bus_socketcan_link", tests);
 }

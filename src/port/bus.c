@@ -81,6 +81,11 @@ enum co_err bus_set_filters(struct bus *self, const struct bus_filter *filters, 
     return count <= BUS_FILTERS_MAX ? self->ops->set_filters(self, filters, count) : CO_ERR_ARG;
 }
 
+enum co_err bus_set_own_frames(struct bus *self, bool on)
+{
+    return self->ops->set_own_frames(self, on);
+}
+
 enum bus_state bus_get_state(struct bus *self)
 {
     return self->ops->get_state(self);

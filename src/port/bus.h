@@ -7,8 +7,10 @@
  *                              the wire
  *   anything else              the SocketCAN interface of that name (bus_socketcan.c)
  *
- * One thread receives and waits; send and wake are for any thread, one at a time for send (the
- * owner's lock). Frames of one bus have one order, the same for all who listen.
+ * One thread receives and waits. bus_wait() runs without the owner's lock, beside all calls but
+ * bus_receive() and bus_close(); bus_wake(), bus_get_state(), bus_outages() and bus_explain() are
+ * for any thread at any time; the others take turns, under the owner's lock. Frames of one bus have
+ * one order, the same for all who listen.
  */
 #ifndef CO_PORT_BUS_H
 #define CO_PORT_BUS_H
@@ -30,7 +32,7 @@ enum bus_state {
 };
 
 struct bus_options {
-    bool own_frames;  /* deliver the frames sent here too, marked CO_FRAME_OWN, at their place */
+    bool own_frames;  /* see bus_set_own_frames() */
     unsigned bitrate; /* kbit/s as configured, compared where the bus knows its own */
 };
 
@@ -76,10 +78,15 @@ void bus_wake(struct bus *self);
 
 /*
  * Without filters (count 0) all data frames with 11-bit identifiers pass. Own frames pass the
- * filters like others. Only the thread that receives may call this, or anybody before it does.
- * CO_ERR_ARG: more than 512; CO_ERR_MEMORY, CO_ERR_IO.
+ * filters like others. CO_ERR_ARG: more than 512; CO_ERR_MEMORY, CO_ERR_IO.
  */
 enum co_err bus_set_filters(struct bus *self, const struct bus_filter *filters, size_t count);
+/*
+ * On: the frames sent here are received here too, marked CO_FRAME_OWN, at their place; a
+ * transmit confirmation. Off: they are not, and wake nobody up here. What is on its way at that
+ * moment may be received or not, and the tag of such a frame may be 0. CO_ERR_IO: all is as before.
+ */
+enum co_err bus_set_own_frames(struct bus *self, bool on);
 enum bus_state bus_get_state(struct bus *self);
 /* How often a SocketCAN bus has become OFF or DOWN: some are over before anybody looks. */
 unsigned bus_outages(const struct bus *self);

@@ -19,6 +19,7 @@ struct bus_ops {
     enum co_err (*wait)(struct bus *self, co_us_t deadline);
     void (*wake)(struct bus *self);
     enum co_err (*set_filters)(struct bus *self, const struct bus_filter *filters, size_t count);
+    enum co_err (*set_own_frames)(struct bus *self, bool on);
     enum bus_state (*get_state)(struct bus *self);
     void (*explain)(struct bus *self, char *message, size_t message_size);
 };

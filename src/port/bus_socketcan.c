@@ -1,6 +1,7 @@
 #include "port/bus_socketcan.h"
 
 #include "port/bus_tags.h"
+#include "port/can_format.h"
 #include "port/can_watch.h"
 #include "port/clock.h"
 #include "port/thread.h"
@@ -26,11 +27,11 @@ struct bus_socketcan {
     struct bus bus;
     const struct socketcan_calls *calls;
     int fd;
-    int wake;           /* eventfd of bus_wake() */
-    uint32_t overflows; /* of the socket, as last seen */
-    unsigned lost;      /* not yet told */
+    int wake;            /* eventfd of bus_wake() */
+    uint32_t overflows;  /* of the socket, as last seen */
+    unsigned lost;       /* not yet told */
+    struct co_lock lock; /* of what the thread that waits shares with the others: */
     bool own_frames;
-    struct co_lock lock; /* of what the sending and the receiving thread share: */
     struct can_watch watch;
     struct bus_tags tags;
     unsigned tags_outages; /* when they were last forgotten */
@@ -59,35 +60,6 @@ static enum co_err error_of(int error)
     }
 }
 
-/* --- frames --- */
-
-static struct can_frame to_kernel(const struct co_frame *frame)
-{
-    struct can_frame result = { .can_id = frame->id, .len = frame->dlc };
-
-    if (frame->flags & CO_FRAME_EXT)
-        result.can_id |= CAN_EFF_FLAG;
-    if (frame->flags & CO_FRAME_RTR)
-        result.can_id |= CAN_RTR_FLAG;
-    else
-        memcpy(result.data, frame->data, frame->dlc);
-    return result;
-}
-
-static struct co_frame from_kernel(const struct can_frame *frame)
-{
-    struct co_frame result = { .dlc = frame->len <= 8 ? frame->len : 8 };
-
-    if (frame->can_id & CAN_EFF_FLAG)
-        result.flags |= CO_FRAME_EXT;
-    result.id = frame->can_id & (result.flags & CO_FRAME_EXT ? CAN_EFF_MASK : CAN_SFF_MASK);
-    if (frame->can_id & CAN_RTR_FLAG)
-        result.flags |= CO_FRAME_RTR;
-    else
-        memcpy(result.data, frame->data, result.dlc);
-    return result;
-}
-
 /* --- sending --- */
 
 /* False: the frame will not come back. */
@@ -95,10 +67,8 @@ static bool expect_back(struct bus_socketcan *self, const struct co_frame *frame
 {
     bool expected;
 
-    if (!self->own_frames)
-        return false;
     lock_take(&self->lock);
-    expected = bus_filters_pass(self->filters, self->filter_count, frame);
+    expected = self->own_frames && bus_filters_pass(self->filters, self->filter_count, frame);
     if (expected)
         bus_tags_push(&self->tags, frame);
     lock_give(&self->lock);
@@ -135,7 +105,7 @@ static enum co_err why_not(struct bus_socketcan *self)
 static enum co_err socketcan_send(struct bus *bus, const struct co_frame *frame)
 {
     struct bus_socketcan *self = to_socketcan(bus);
-    struct can_frame raw = to_kernel(frame);
+    struct can_frame raw = can_format_frame(frame);
     enum co_err err = CO_OK;
     bool expected;
 
@@ -193,12 +163,17 @@ static co_us_t read_control(struct bus_socketcan *self, struct msghdr *message)
     return time != 0 ? time : clock_now();
 }
 
-static void mark_own(struct bus_socketcan *self, struct co_frame *frame)
+/* False: it is not asked for any more. */
+static bool mark_own(struct bus_socketcan *self, struct co_frame *frame)
 {
+    bool wanted;
+
     lock_take(&self->lock);
     frame->tag = bus_tags_confirm(&self->tags, frame);
+    wanted = self->own_frames;
     lock_give(&self->lock);
     frame->flags |= CO_FRAME_OWN;
+    return wanted;
 }
 
 static void take_error_frame(struct bus_socketcan *self, const struct can_frame *frame)
@@ -237,10 +212,10 @@ static enum co_err receive_one(struct bus_socketcan *self, struct bus_rx *ret_rx
         take_error_frame(self, &raw);
         return CO_OK;
     }
-    ret_rx->frame = from_kernel(&raw);
-    if (message.msg_flags & MSG_CONFIRM)
-        mark_own(self, &ret_rx->frame);
+    ret_rx->frame = can_parse_frame(&raw);
     *ret_is_frame = can_watch_state(&self->watch) != BUS_DOWN; /* else of another interface's */
+    if ((message.msg_flags & MSG_CONFIRM) && !mark_own(self, &ret_rx->frame))
+        *ret_is_frame = false;
     return CO_OK;
 }
 
@@ -266,23 +241,7 @@ static enum co_err socketcan_receive(struct bus *bus, struct bus_rx *ret_rx)
     return CO_OK;
 }
 
-/* --- filters --- */
-
-static struct can_filter to_kernel_filter(const struct bus_filter *filter)
-{
-    struct can_filter result = { .can_id = filter->id & CAN_EFF_MASK,
-                                 .can_mask = filter->mask & CAN_EFF_MASK };
-
-    if (filter->flags & CO_FRAME_EXT)
-        result.can_id |= CAN_EFF_FLAG;
-    if (filter->flags & CO_FRAME_RTR)
-        result.can_id |= CAN_RTR_FLAG;
-    if (filter->flags_mask & CO_FRAME_EXT)
-        result.can_mask |= CAN_EFF_FLAG;
-    if (filter->flags_mask & CO_FRAME_RTR)
-        result.can_mask |= CAN_RTR_FLAG;
-    return result;
-}
+/* --- what is wanted --- */
 
 /* Without any (count 0) all data frames with 11-bit identifiers. */
 static enum co_err set_kernel_filters(struct bus_socketcan *self, const struct bus_filter *filters,
@@ -295,38 +254,65 @@ static enum co_err set_kernel_filters(struct bus_socketcan *self, const struct b
 
     if (!raw)
         return CO_ERR_MEMORY;
-    raw[0] = to_kernel_filter(&plain);
+    raw[0] = can_format_filter(&plain);
     for (size_t i = 0; i < count; i++)
-        raw[i] = to_kernel_filter(&filters[i]);
+        raw[i] = can_format_filter(&filters[i]);
     error = self->calls->setsockopt(self->fd, SOL_CAN_RAW, CAN_RAW_FILTER, raw,
                                     (socklen_t)(raw_count * sizeof *raw));
     free(raw);
     return error < 0 ? CO_ERR_IO : CO_OK;
 }
 
+/* Under the lock, else binding anew could set the old ones meanwhile. */
+static enum co_err replace_filters(struct bus_socketcan *self, struct bus_filter *filters,
+                                   size_t count)
+{
+    enum co_err err = set_kernel_filters(self, filters, count);
+
+    if (err)
+        return err;
+    free(self->filters);
+    self->filters = filters;
+    self->filter_count = count;
+    return CO_OK;
+}
+
 static enum co_err socketcan_set_filters(struct bus *bus, const struct bus_filter *filters,
                                          size_t count)
 {
     struct bus_socketcan *self = to_socketcan(bus);
-    struct bus_filter *copy = malloc((count + 1) * sizeof *copy), *old;
+    struct bus_filter *copy = malloc((count + 1) * sizeof *copy);
     enum co_err err;
 
     if (!copy)
         return CO_ERR_MEMORY;
     if (count > 0)
         memcpy(copy, filters, count * sizeof *copy);
-    err = set_kernel_filters(self, filters, count);
-    if (err) {
-        free(copy);
-        return err;
-    }
     lock_take(&self->lock);
-    old = self->filters;
-    self->filters = copy;
-    self->filter_count = count;
+    err = replace_filters(self, copy, count);
     lock_give(&self->lock);
-    free(old);
-    return CO_OK;
+    if (err)
+        free(copy);
+    return err;
+}
+
+static int set_int(const struct bus_socketcan *self, int level, int option, int value)
+{
+    return self->calls->setsockopt(self->fd, level, option, &value, sizeof value);
+}
+
+static enum co_err socketcan_set_own_frames(struct bus *bus, bool on)
+{
+    struct bus_socketcan *self = to_socketcan(bus);
+    enum co_err err = CO_OK;
+
+    lock_take(&self->lock);
+    if (set_int(self, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, on) < 0)
+        err = CO_ERR_IO;
+    else
+        self->own_frames = on;
+    lock_give(&self->lock);
+    return err;
 }
 
 /* --- the interface --- */
@@ -428,11 +414,6 @@ static enum co_err open_socket(struct bus_socketcan *self, const struct bus_mess
                     strerror(errno));
 }
 
-static int set_int(const struct bus_socketcan *self, int level, int option, int value)
-{
-    return self->calls->setsockopt(self->fd, level, option, &value, sizeof value);
-}
-
 static enum co_err configure_socket(struct bus_socketcan *self)
 {
     /* Beyond the system's limit only with CAP_NET_ADMIN; else as much as it allows. */
@@ -484,6 +465,7 @@ static const struct bus_ops socketcan_ops = { .close = socketcan_close,
                                               .wait = socketcan_wait,
                                               .wake = socketcan_wake,
                                               .set_filters = socketcan_set_filters,
+                                              .set_own_frames = socketcan_set_own_frames,
                                               .get_state = socketcan_get_state,
                                               .explain = socketcan_explain };
 

@@ -2,6 +2,7 @@
 #include "port/bus_ops.h"
 #include "port/bus_segment.h"
 #include "port/clock.h"
+#include "port/thread.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -33,19 +34,25 @@ struct bus_name_parts {
     uint32_t bitrate; /* bit/s; 0: none */
 };
 
+/* Which frames are for us; own ones only if they are asked for. */
+struct wanted {
+    struct co_lock lock; /* of the thread that waits, and those that set */
+    struct bus_filter *filters;
+    size_t filter_count;
+    bool own_frames;
+};
+
 struct bus_virtual {
     struct bus bus;
     struct segment segment;
-    struct bus_filter *filters;
-    size_t filter_count;
+    struct wanted wanted;
     uint64_t cursor; /* number of the next frame to read */
     uint64_t lost;   /* not yet told */
     uint64_t ticket; /* the last one used: our number and a counter */
     unsigned slot;
     uint32_t number;
-    int socket; /* gets the bytes that wake us, sends those that wake others */
-    int wake;   /* eventfd of bus_wake() */
-    bool own_frames;
+    int socket;        /* gets the bytes that wake us, sends those that wake others */
+    int wake;          /* eventfd of bus_wake() */
     bool stuck;        /* the receiving thread found the bus held */
     _Atomic bool held; /* the last attempt to lock failed */
 };
@@ -77,6 +84,18 @@ static enum co_err lock_segment(struct bus_virtual *self)
     return err;
 }
 
+static bool is_wanted(struct bus_virtual *self, const struct co_frame *frame, bool is_own)
+{
+    struct wanted *wanted = &self->wanted;
+    bool result;
+
+    lock_take(&wanted->lock);
+    result = (!is_own || wanted->own_frames) &&
+             bus_filters_pass(wanted->filters, wanted->filter_count, frame);
+    lock_give(&wanted->lock);
+    return result;
+}
+
 /* --- sending --- */
 
 static void wake_participant(struct bus_virtual *self, unsigned index)
@@ -102,12 +121,12 @@ static void wake_participant(struct bus_virtual *self, unsigned index)
         atomic_compare_exchange_strong(&slot->ticket, &ticket, 0);
 }
 
-static void wake_participants(struct bus_virtual *self)
+static void wake_participants(struct bus_virtual *self, const struct co_frame *frame)
 {
     unsigned count = atomic_load_explicit(&self->segment.map->slots_used, memory_order_relaxed);
 
     for (unsigned i = 0; i < count && i < SEGMENT_SLOTS; i++) {
-        if (i != self->slot || self->own_frames)
+        if (i != self->slot || is_wanted(self, frame, true))
             wake_participant(self, i);
     }
 }
@@ -129,18 +148,11 @@ static enum co_err virtual_send(struct bus *bus, const struct co_frame *frame)
         segment_append(&self->segment, &record);
     segment_unlock(&self->segment);
     if (!err && news)
-        wake_participants(self);
+        wake_participants(self, &record.frame);
     return err;
 }
 
 /* --- receiving --- */
-
-static bool is_wanted(const struct bus_virtual *self, const struct segment_frame *record)
-{
-    if (record->slot == self->slot && !self->own_frames)
-        return false;
-    return bus_filters_pass(self->filters, self->filter_count, &record->frame);
-}
 
 /* A bus held by a stopped process stands still: its frames come when it goes on. */
 static void move_frames_on(struct bus_virtual *self)
@@ -177,7 +189,7 @@ static enum co_err virtual_receive(struct bus *bus, struct bus_rx *ret_rx)
     do {
         if (!read_next(self, &self->cursor, &self->lost, &record))
             return CO_ERR_AGAIN;
-    } while (!is_wanted(self, &record));
+    } while (!is_wanted(self, &record.frame, record.slot == self->slot));
     ret_rx->frame = record.frame;
     if (record.slot == self->slot)
         ret_rx->frame.flags |= CO_FRAME_OWN;
@@ -197,7 +209,7 @@ static bool has_frame(struct bus_virtual *self)
     uint64_t lost = self->lost;
 
     while (read_next(self, &next, &lost, &record)) {
-        if (is_wanted(self, &record))
+        if (is_wanted(self, &record.frame, record.slot == self->slot))
             return true;
         self->cursor = next;
         self->lost = lost;
@@ -247,11 +259,13 @@ static enum co_err sleep_until(struct bus_virtual *self, co_us_t deadline, bool 
     return err;
 }
 
+/* --- what is wanted --- */
+
 static enum co_err virtual_set_filters(struct bus *bus, const struct bus_filter *filters,
                                        size_t count)
 {
-    struct bus_virtual *self = to_virtual(bus);
-    struct bus_filter *copy = NULL;
+    struct wanted *wanted = &to_virtual(bus)->wanted;
+    struct bus_filter *copy = NULL, *old;
 
     if (count > 0) {
         copy = malloc(count * sizeof *copy);
@@ -259,9 +273,22 @@ static enum co_err virtual_set_filters(struct bus *bus, const struct bus_filter 
             return CO_ERR_MEMORY;
         memcpy(copy, filters, count * sizeof *copy);
     }
-    free(self->filters);
-    self->filters = copy;
-    self->filter_count = count;
+    lock_take(&wanted->lock);
+    old = wanted->filters;
+    wanted->filters = copy;
+    wanted->filter_count = count;
+    lock_give(&wanted->lock);
+    free(old);
+    return CO_OK;
+}
+
+static enum co_err virtual_set_own_frames(struct bus *bus, bool on)
+{
+    struct wanted *wanted = &to_virtual(bus)->wanted;
+
+    lock_take(&wanted->lock);
+    wanted->own_frames = on;
+    lock_give(&wanted->lock);
     return CO_OK;
 }
 
@@ -337,6 +364,13 @@ static void virtual_explain(struct bus *bus, char *text, size_t size)
 
 /* --- opening and closing --- */
 
+static void free_virtual(struct bus_virtual *self)
+{
+    lock_done(&self->wanted.lock);
+    free(self->wanted.filters);
+    free(self);
+}
+
 static void virtual_close(struct bus *bus)
 {
     struct bus_virtual *self = to_virtual(bus);
@@ -345,8 +379,7 @@ static void virtual_close(struct bus *bus)
     close(self->socket);
     close(self->wake);
     segment_close(&self->segment);
-    free(self->filters);
-    free(self);
+    free_virtual(self);
 }
 
 static const struct bus_ops virtual_ops = { .close = virtual_close,
@@ -355,6 +388,7 @@ static const struct bus_ops virtual_ops = { .close = virtual_close,
                                             .wait = virtual_wait,
                                             .wake = virtual_wake,
                                             .set_filters = virtual_set_filters,
+                                            .set_own_frames = virtual_set_own_frames,
                                             .get_state = virtual_get_state,
                                             .explain = virtual_explain };
 
@@ -490,6 +524,21 @@ static enum co_err check_configured(const struct bus_name_parts *parts, unsigned
                     parts->name, parts->bitrate, kbit, parts->name, kbit);
 }
 
+static struct bus_virtual *new_virtual(bool own_frames)
+{
+    struct bus_virtual *self = calloc(1, sizeof *self);
+
+    if (!self)
+        return NULL;
+    if (lock_init(&self->wanted.lock) != CO_OK) {
+        free(self);
+        return NULL;
+    }
+    self->bus.ops = &virtual_ops;
+    self->wanted.own_frames = own_frames;
+    return self;
+}
+
 enum co_err bus_virtual_open(const char *name, const struct bus_options *options,
                              struct bus **ret_bus, const struct bus_message *message)
 {
@@ -501,14 +550,12 @@ enum co_err bus_virtual_open(const char *name, const struct bus_options *options
         err = check_configured(&parts, options->bitrate, message);
     if (err)
         return err;
-    self = calloc(1, sizeof *self);
+    self = new_virtual(options->own_frames);
     if (!self)
         return bus_fail(message, CO_ERR_MEMORY, "virtual bus %s: out of memory", parts.name);
-    self->bus.ops = &virtual_ops;
-    self->own_frames = options->own_frames;
     err = open_parts(self, &parts, message);
     if (err) {
-        free(self);
+        free_virtual(self);
         return err;
     }
     *ret_bus = &self->bus;

@@ -124,6 +124,27 @@ START_TEST(own_frames_come_back_with_their_tags)
 }
 END_TEST
 
+START_TEST(own_frames_are_switched)
+{
+    struct bus *self = open_on("vcan0", false), *other = open_on("vcan0", false);
+
+    ck_assert_int_eq(send_tagged(self, "181#01", 7), CO_OK);
+    expect_nothing(self);
+    ck_assert_int_eq(bus_set_own_frames(self, true), CO_OK);
+    ck_assert_int_eq(send_tagged(self, "181#01", 8), CO_OK);
+    ck_assert_uint_eq(expect(self, "181#01").frame.tag, 8);
+    ck_assert_int_eq(bus_set_own_frames(self, false), CO_OK);
+    ck_assert_int_eq(send_tagged(self, "181#02", 9), CO_OK);
+    ck_assert_int_eq(bus_wait(self, clock_now() + CO_MS(5)), CO_ERR_TIMEOUT);
+    expect_nothing(self);
+    expect(other, "181#01");
+    expect(other, "181#01");
+    expect(other, "181#02");
+    bus_close(self);
+    bus_close(other);
+}
+END_TEST
+
 static const struct {
     struct bus_filter filters[2];
     size_t count;
@@ -309,8 +330,9 @@ START_TEST(an_interface_may_be_removed_and_made_again)
 
     run("ip link add vcan8 type vcan");
     run("ip link set vcan8 up");
-    bus = open_on("vcan8", true);
+    bus = open_on("vcan8", false);
     ck_assert_int_eq(bus_set_filters(bus, &filter, 1), CO_OK);
+    ck_assert_int_eq(bus_set_own_frames(bus, true), CO_OK);
     run("ip link del vcan8");
     wait_state(bus, BUS_DOWN);
     while (bus_receive(bus, &rx) != CO_ERR_NO_BUS)
@@ -361,6 +383,7 @@ int main(void)
     tcase_set_timeout(tests, 50);
     tcase_add_test(tests, a_frame_reaches_the_others);
     tcase_add_test(tests, own_frames_come_back_with_their_tags);
+    tcase_add_test(tests, own_frames_are_switched);
     tcase_add_loop_test(tests, filters_pass_what_they_name, 0,
                         sizeof filter_cases / sizeof filter_cases[0]);
     tcase_add_test(tests, all_see_the_same_order);

@@ -40,14 +40,6 @@ static bool is_default_sdo(uint32_t can_id)
     return in_ranges(can_id, ranges, sizeof ranges / sizeof ranges[0]);
 }
 
-bool slave_may_use(const struct od *od, uint32_t cob_id, bool transmit)
-{
-    (void)od;
-    (void)transmit;
-    return (cob_id & COB_ID_INVALID) != 0 || (cob_id & FRAME_29_BIT) != 0 ||
-           !is_restricted(cob_id & CAN_ID_MASK);
-}
-
 static bool is_base_frame(uint64_t cob_id)
 {
     return (cob_id & (COB_ID_EXT | CAN_ID_UPPER)) == 0;
@@ -67,6 +59,15 @@ static bool is_permitted(uint64_t cob_id, enum frames frames)
     if ((cob_id & COB_ID_EXT) != 0)
         return frames == ALL_FRAMES;
     return is_base_frame(cob_id) && !is_restricted((uint32_t)(cob_id & CAN_ID_MASK));
+}
+
+bool slave_may_use(const struct od *od, uint32_t cob_id, bool transmit)
+{
+    struct od_entry entry = { .index = transmit ? 0x1800 : 0x1400, .sub = 1 };
+    const struct slave_write write = { .od = od, .entry = &entry, .number = cob_id };
+
+    return (cob_id & COB_ID_INVALID) != 0 ||
+           (is_permitted(cob_id, ALL_FRAMES) && !slave_can_id_is_taken(&write));
 }
 
 /* Some devices come with identifiers that nobody may give them. */

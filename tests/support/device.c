@@ -2,9 +2,11 @@
 
 #include "base/bytes.h"
 #include "proto/event.h"
+#include "support/hex.h"
 
 #include <check.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define SPIN_LIMIT 100000u
@@ -86,6 +88,18 @@ void device_fill(struct device *self, unsigned frames, unsigned events)
         co_outbox_put_event(&self->out, &event);
 }
 
+/* Nothing happens before the deadline. */
+static void call_too_early(struct device *self, co_us_t now)
+{
+    const unsigned frames = self->frame_count, events = self->event_count;
+
+    self->now = now;
+    slave_on_time(&self->slave, self->now, &self->out);
+    device_drain(self);
+    ck_assert_msg(self->frame_count == frames && self->event_count == events,
+                  "too early at %llu us", (unsigned long long)now);
+}
+
 void device_run(struct device *self, co_us_t until)
 {
     device_drain(self);
@@ -93,6 +107,8 @@ void device_run(struct device *self, co_us_t until)
         const co_us_t deadline = slave_deadline(&self->slave);
 
         ck_assert_uint_lt(calls, SPIN_LIMIT);
+        if (deadline > self->now + 1)
+            call_too_early(self, deadline - 1);
         if (deadline > self->now)
             self->now = deadline;
         slave_on_time(&self->slave, self->now, &self->out);
@@ -101,12 +117,20 @@ void device_run(struct device *self, co_us_t until)
     self->now = until;
 }
 
-void device_hear(struct device *self, const char *text)
+static void hear(struct device *self, const char *text, uint8_t flags)
 {
     struct co_frame frame;
 
     ck_assert_msg(co_frame_parse(text, &frame), "no frame: %s", text);
+    frame.flags |= flags;
+    if (self->stalled && frame.id != 0x600 + DEVICE_NODE)
+        device_fill(self, 0, 0);
     slave_on_frame(&self->slave, &frame, self->now, &self->out);
+}
+
+void device_hear(struct device *self, const char *text)
+{
+    hear(self, text, 0);
 }
 
 const char *device_next_frame(struct device *self, co_us_t *ret_at)
@@ -120,6 +144,54 @@ const char *device_next_frame(struct device *self, co_us_t *ret_at)
     return co_frame_format(&self->frames[self->frame_taken++].frame, text, sizeof text);
 }
 
+static bool describe_service(const struct co_event *event, char *text, size_t size)
+{
+    switch (event->type) {
+    case SLAVE_STATE: snprintf(text, size, "state %u", event->detail); break;
+    case SLAVE_WRITTEN:
+        snprintf(text, size, "written %04X:%02X = %llu", event->index, event->sub,
+                 (unsigned long long)event->actual);
+        break;
+    case SLAVE_EMERGENCY: snprintf(text, size, "emcy %04X %02X", event->code, event->detail); break;
+    case SLAVE_VERDICT:
+        snprintf(text, size, "verdict %u on %04X:%02X, %u bytes", event->code, event->index,
+                 event->sub, (unsigned)event->actual);
+        break;
+    case SLAVE_VERDICT_LATE:
+        snprintf(text, size, "no verdict on %04X:%02X", event->index, event->sub);
+        break;
+    case PROTO_HB_STATE: snprintf(text, size, "heard %u: %u", event->node, event->detail); break;
+    case PROTO_HB_LOST: snprintf(text, size, "lost %u: %u", event->node, event->detail); break;
+    default: return false;
+    }
+    return true;
+}
+
+static bool describe_pdo(const struct co_event *event, char *text, size_t size)
+{
+    char data[20];
+
+    switch (event->type) {
+    case SLAVE_RPDO:
+        hex_format(event->data, event->sub, data, sizeof data);
+        snprintf(text, size, "rpdo %u %s at %u", event->index, data,
+                 (unsigned)(event->actual / 1000));
+        break;
+    case SLAVE_TPDO_WANTED: snprintf(text, size, "wanted %u %u", event->index, event->code); break;
+    case SLAVE_TPDO_CONFIRMED: snprintf(text, size, "confirmed %u", event->index); break;
+    case SLAVE_PDO_ERROR:
+        snprintf(text, size, "rpdo %u wrong %04X, %u of %u", event->index, event->code,
+                 event->detail, event->sub);
+        break;
+    case SLAVE_SYNC_LENGTH:
+        snprintf(text, size, "sync wrong %04X, %u of %u", event->code, event->detail, event->sub);
+        break;
+    case SLAVE_SYNC_MISSING: snprintf(text, size, "sync missing"); break;
+    default: return false;
+    }
+    return true;
+}
+
 const char *device_next_event(struct device *self)
 {
     static char text[64];
@@ -128,18 +200,7 @@ const char *device_next_event(struct device *self)
     if (self->event_taken == self->event_count)
         return "";
     event = &self->events[self->event_taken++];
-    if (event->type == SLAVE_STATE)
-        snprintf(text, sizeof text, "state %u", event->detail);
-    else if (event->type == SLAVE_WRITTEN)
-        snprintf(text, sizeof text, "written %04X:%02X = %llu", event->index, event->sub,
-                 (unsigned long long)event->actual);
-    else if (event->type == SLAVE_EMERGENCY)
-        snprintf(text, sizeof text, "emcy %04X %02X", event->code, event->detail);
-    else if (event->type == PROTO_HB_STATE)
-        snprintf(text, sizeof text, "heard %u: %u", event->node, event->detail);
-    else if (event->type == PROTO_HB_LOST)
-        snprintf(text, sizeof text, "lost %u: %u", event->node, event->detail);
-    else
+    if (!describe_service(event, text, sizeof text) && !describe_pdo(event, text, sizeof text))
         snprintf(text, sizeof text, "event %u", event->type);
     return text;
 }
@@ -209,6 +270,58 @@ uint32_t device_value(struct device *self, uint16_t index, uint8_t sub)
     return value;
 }
 
+static void set_value(struct device *self, unsigned index, unsigned sub, uint32_t value)
+{
+    struct od_entry *entry = od_find(&self->od, (uint16_t)index, (uint8_t)sub);
+
+    ck_assert_ptr_nonnull(entry);
+    put_le(entry->value, entry->size, value);
+}
+
+/* CO_OK for what returns nothing. */
+static enum co_err do_call(struct device *self, const char *text)
+{
+    struct slave *slave = &self->slave;
+    struct co_outbox *out = &self->out;
+    unsigned a = 0, b = 0, c = 0;
+
+    if (sscanf(text, "send %u", &a) == 1)
+        return slave_pdo_send(slave, (uint16_t)a, self->now, out);
+    if (sscanf(text, "request %u", &a) == 1)
+        return slave_rpdo_request(slave, (uint16_t)a, self->now, out);
+    if (sscanf(text, "set %x:%x %x", &a, &b, &c) == 3) {
+        set_value(self, a, b, c);
+        return slave_entry_changed(slave, od_find(&self->od, (uint16_t)a, (uint8_t)b), self->now,
+                                   out);
+    }
+    if (sscanf(text, "flags r%u %u", &a, &b) == 2)
+        slave_pdo_set_flags(slave, PDO_RECEIVE, (uint16_t)a, (uint8_t)b);
+    else if (sscanf(text, "flags t%u %u", &a, &b) == 2)
+        slave_pdo_set_flags(slave, PDO_TRANSMIT, (uint16_t)a, (uint8_t)b);
+    else if (sscanf(text, "answer %u %u", &a, &b) == 2)
+        slave_tpdo_answer(slave, (uint16_t)a, b, self->now, out);
+    else if (sscanf(text, "verdict %u %x", &a, &b) == 2)
+        slave_verdict(slave, a, b, self->now, out);
+    else if (strcmp(text, "hold") == 0 || strcmp(text, "release") == 0)
+        slave_hold_transmission(slave, text[0] == 'h', self->now, out);
+    else
+        ck_abort_msg("%s?", text);
+    return CO_OK;
+}
+
+void device_do(struct device *self, const char *text)
+{
+    const char *result = strstr(text, " -> ");
+    int expected = result != NULL ? atoi(result + 4) : CO_OK, err;
+
+    if (self->stalled && strncmp(text, "request", 7) != 0) /* a request is not kept */
+        device_fill(self, 0, 0);
+    err = do_call(self, text);
+    if (self->stalled && err == CO_ERR_AGAIN && expected == CO_OK)
+        err = CO_OK;
+    ck_assert_msg(err == expected, "%s: returned %d", text, err);
+}
+
 static void expect_frame(struct device *self, const char *name, const struct talk_step *step)
 {
     co_us_t at = 0;
@@ -243,8 +356,14 @@ void device_talk(struct device *self, const struct device_talk *talk)
         device_run(self, CO_MS(step->at));
         switch (step->kind) {
         case HEARS:
+        case ECHOES:
             expect_quiet(self, talk->name, step->at);
-            device_hear(self, step->text);
+            hear(self, step->text, step->kind == ECHOES ? CO_FRAME_OWN : 0);
+            device_drain(self);
+            break;
+        case DOES:
+            expect_quiet(self, talk->name, step->at);
+            device_do(self, step->text);
             device_drain(self);
             break;
         case SENDS: expect_frame(self, talk->name, step); break;

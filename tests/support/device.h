@@ -25,6 +25,7 @@ struct device {
     struct co_frame out_frames[8];
     struct co_event out_events[8];
     unsigned frame_count, frame_taken, event_count, event_taken;
+    bool stalled; /* frames that are no SDO requests, and its owner, find a full outbox first */
     struct {
         co_us_t at;
         struct co_frame frame;
@@ -60,11 +61,19 @@ sdo_abort_t device_read(struct device *self, uint16_t index, uint8_t sub, uint32
 /* A value that must be readable. */
 uint32_t device_value(struct device *self, uint16_t index, uint8_t sub);
 
+/*
+ * "send N", "set INDEX:SUB VALUE", "answer N ASK", "hold", "release", "request N", "flags rN|tN F",
+ * "verdict N CODE"; with " -> E" behind it: enum co_err that is to be returned, as a number.
+ */
+void device_do(struct device *self, const char *text);
+
 enum talk_step_kind {
-    HEARS, /* a frame comes to the device */
-    SENDS, /* the device sends it, at this moment, and nothing before it */
-    TELLS, /* ... an event, some time since the last one */
-    QUIET  /* nothing was sent up to this moment */
+    HEARS,  /* a frame comes to the device */
+    ECHOES, /* the same, one of its own */
+    DOES,   /* its owner calls it, see device_do() */
+    SENDS,  /* the device sends it, at this moment, and nothing before it */
+    TELLS,  /* ... an event, some time since the last one */
+    QUIET   /* nothing was sent up to this moment */
 };
 
 struct talk_step {
@@ -73,7 +82,7 @@ struct talk_step {
     const char *text;
 };
 
-#define DEVICE_STEPS 32u
+#define DEVICE_STEPS 48u
 
 struct device_talk {
     const char *name;

@@ -278,6 +278,21 @@ static void set_value(struct device *self, unsigned index, unsigned sub, uint32_
     put_le(entry->value, entry->size, value);
 }
 
+/* The application is to be asked; mappings learn of it with the next reset. */
+static void watch(struct device *self, unsigned index, unsigned sub)
+{
+    struct od_entry *entry = od_find(&self->od, (uint16_t)index, (uint8_t)sub);
+
+    ck_assert_ptr_nonnull(entry);
+    entry->watched = true;
+    for (uint16_t number = 1; number <= SLAVE_PDO_NUMBER_MAX; number++) {
+        struct tpdo *tpdo = slave_tpdo(&self->slave, number);
+
+        if (tpdo != NULL && pdo_map_contains(&tpdo->map, entry))
+            tpdo->asks = true;
+    }
+}
+
 /* CO_OK for what returns nothing. */
 static enum co_err do_call(struct device *self, const char *text)
 {
@@ -302,6 +317,8 @@ static enum co_err do_call(struct device *self, const char *text)
         slave_tpdo_answer(slave, (uint16_t)a, b, self->now, out);
     else if (sscanf(text, "verdict %u %x", &a, &b) == 2)
         slave_verdict(slave, a, b, self->now, out);
+    else if (sscanf(text, "watch %x:%x", &a, &b) == 2)
+        watch(self, a, b);
     else if (strcmp(text, "hold") == 0 || strcmp(text, "release") == 0)
         slave_hold_transmission(slave, text[0] == 'h', self->now, out);
     else

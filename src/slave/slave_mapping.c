@@ -125,11 +125,8 @@ static sdo_abort_t check_entry(const struct slave_write *write, bool transmit)
 static sdo_abort_t check_counted(const struct od *od, const struct od_entry *entry, bool transmit,
                                  unsigned *bits)
 {
-    struct mapped mapped;
+    const struct mapped mapped = take_apart(od_number(od, entry->index, entry->sub, 0));
 
-    if (entry == NULL)
-        return SDO_PDO_LENGTH;
-    mapped = take_apart(od_number(od, entry->index, entry->sub, 0));
     *bits += mapped.bits;
     if (is_used_up(od, entry->index, &mapped))
         return SDO_NOT_MAPPABLE;
@@ -138,11 +135,20 @@ static sdo_abort_t check_counted(const struct od *od, const struct od_entry *ent
     return check_object(od, &mapped, transmit);
 }
 
+/* Some of so many entries do not exist. */
+static bool has_fewer(const struct od *od, uint16_t index, uint64_t count)
+{
+    for (unsigned sub = 1; sub <= count; sub++)
+        if (od_find(od, index, (uint8_t)sub) == NULL)
+            return true;
+    return false;
+}
+
 static sdo_abort_t check_count(const struct slave_write *write, bool transmit)
 {
     unsigned bits = 0;
 
-    if (write->number > MAPPED_MAX)
+    if (write->number > MAPPED_MAX || has_fewer(write->od, write->entry->index, write->number))
         return SDO_PDO_LENGTH;
     for (unsigned sub = 1; sub <= write->number; sub++) {
         const struct od_entry *entry = od_find(write->od, write->entry->index, (uint8_t)sub);

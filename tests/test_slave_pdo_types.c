@@ -255,6 +255,7 @@ int main(void)
     SRunner *runner = srunner_create(make_suite());
     int failed;
 
+    srunner_set_fork_status(runner, CK_NOFORK); /* a thousand small tests */
     srunner_run_all(runner, CK_NORMAL);
     failed = srunner_ntests_failed(runner);
     srunner_free(runner);

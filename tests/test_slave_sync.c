@@ -228,6 +228,7 @@ START_TEST(plan_of_the_sender)
     device_hear(&device, "000#0105"); /* goes on */
     device_hear(&device, "000#8005");
     ck_assert_uint_eq(device_write(&device, 0x1400, 2, 1, 255), SDO_OK);
+    ck_assert_uint_eq(device_write(&device, 0x1007, 0, 4, 100), SDO_OK);
     ck_assert_uint_eq(device.slave.sync_generation, generation);
     device_hear(&device, "000#0205");
     ck_assert_uint_eq(device.slave.sync_generation, generation + 1);

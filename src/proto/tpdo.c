@@ -165,7 +165,7 @@ static bool needs_data(const struct tpdo *self)
            (self->by_timer && self->timer_asks);
 }
 
-static void ask(struct tpdo *self, co_us_t now, struct co_outbox *out)
+static void ask_for_data(struct tpdo *self, co_us_t now, struct co_outbox *out)
 {
     const struct co_event event = { .type = PROTO_TPDO_WANTED,
                                     .index = self->number,
@@ -179,9 +179,9 @@ static void ask(struct tpdo *self, co_us_t now, struct co_outbox *out)
     self->ask_end = self->due || self->sampling ? self->answer_end : now + TPDO_ANSWER_TIME;
 }
 
-void tpdo_answer(struct tpdo *self, uint32_t number)
+void tpdo_answer(struct tpdo *self, uint32_t ask)
 {
-    if (self->asking == TPDO_ASKING && number == self->ask)
+    if (self->asking == TPDO_ASKING && ask == self->ask)
         self->asking = TPDO_ANSWERED;
 }
 
@@ -284,7 +284,7 @@ void tpdo_on_time(struct tpdo *self, co_us_t now, struct co_outbox *out)
     if (!self->sampling && !may_be_sent(self, now))
         return;
     if (needs_data(self)) {
-        ask(self, now, out);
+        ask_for_data(self, now, out);
         return;
     }
     if (self->sampling)

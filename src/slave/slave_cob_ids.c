@@ -5,28 +5,44 @@
 /* What an entry's COB-ID belongs to. RPDOs may share one: a frame is for all of them. */
 enum user { NOBODY, RECEIVER, OTHER };
 
-static bool is_between(uint16_t index, uint16_t first, uint16_t last)
+/* When a COB-ID is in use. */
+enum use { ALWAYS, UNLESS_INVALID, IF_TAKING_PART };
+
+static const struct holder {
+    uint16_t first, last;
+    uint8_t first_sub, last_sub;
+    enum use use;
+    enum user user;
+} holders[] = {
+    { 0x1005, 0x1005, 0, 0, ALWAYS, OTHER },
+    { 0x1012, 0x1012, 0, 0, IF_TAKING_PART, OTHER },
+    { 0x1014, 0x1014, 0, 0, UNLESS_INVALID, OTHER },
+    { 0x1201, 0x12FF, 1, 2, UNLESS_INVALID, OTHER },
+    { 0x1400, 0x15FF, 1, 1, UNLESS_INVALID, RECEIVER },
+    { 0x1800, 0x19FF, 1, 1, UNLESS_INVALID, OTHER },
+};
+
+static bool is_used(enum use use, uint64_t cob_id)
 {
-    return index >= first && index <= last;
+    switch (use) {
+    case ALWAYS: break;
+    case UNLESS_INVALID: return (cob_id & COB_ID_INVALID) == 0;
+    case IF_TAKING_PART: return (cob_id & (COB_ID_INVALID | COB_ID_BIT30)) != 0;
+    }
+    return true;
+}
+
+static bool is_held_by(const struct od_entry *entry, const struct holder *holder)
+{
+    return entry->index >= holder->first && entry->index <= holder->last &&
+           entry->sub >= holder->first_sub && entry->sub <= holder->last_sub;
 }
 
 static enum user user_of(const struct od_entry *entry, uint64_t cob_id)
 {
-    const bool valid = (cob_id & COB_ID_INVALID) == 0;
-    const uint16_t index = entry->index;
-
-    if (index == 0x1005 && entry->sub == 0)
-        return OTHER;
-    if (index == 0x1012 && entry->sub == 0)
-        return (cob_id & (COB_ID_INVALID | COB_ID_BIT30)) != 0 ? OTHER : NOBODY;
-    if (index == 0x1014 && entry->sub == 0)
-        return valid ? OTHER : NOBODY;
-    if (is_between(index, 0x1201, 0x12FF) && (entry->sub == 1 || entry->sub == 2))
-        return valid ? OTHER : NOBODY;
-    if (is_between(index, 0x1400, 0x15FF) && entry->sub == 1)
-        return valid ? RECEIVER : NOBODY;
-    if (is_between(index, 0x1800, 0x19FF) && entry->sub == 1)
-        return valid ? OTHER : NOBODY;
+    for (size_t i = 0; i < sizeof holders / sizeof holders[0]; i++)
+        if (is_held_by(entry, &holders[i]))
+            return is_used(holders[i].use, cob_id) ? holders[i].user : NOBODY;
     return NOBODY;
 }
 

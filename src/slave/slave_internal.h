@@ -145,6 +145,8 @@ enum co_err slave_mapped_changed(struct slave *self, const struct od_entry *entr
                                  struct co_outbox *out);
 
 /* slave_sync.c: 1005h, 1006h, 1007h, 1019h. */
+/* Those that are taken over; the window is looked up with each SYNC. */
+bool slave_is_sync_object(uint16_t index);
 bool slave_knows_sync(const struct slave *self);
 void slave_configure_sync(struct slave *self);
 void slave_enable_sync(struct slave *self, bool enabled);

@@ -382,6 +382,26 @@ static bool maps_anew(const struct od *od, uint16_t index, uint8_t sub)
     return sub == 0 || od_number(od, index, 0, 0) != 0;
 }
 
+static void change_rpdo(struct slave *self, struct rpdo *rpdo, bool mapping, co_us_t now,
+                        struct co_outbox *out)
+{
+    if (mapping)
+        remap_rpdo(self, rpdo);
+    else
+        configure_rpdo(self->od, rpdo);
+    slave_step_rpdo(self, rpdo, now, out);
+}
+
+static void change_tpdo(struct slave *self, struct tpdo *tpdo, bool mapping, co_us_t now,
+                        struct co_outbox *out)
+{
+    if (mapping)
+        remap_tpdo(self, tpdo, now);
+    else
+        configure_tpdo(self->od, tpdo, now);
+    slave_step_tpdo(self, tpdo, now, out);
+}
+
 void slave_configure_pdo(struct slave *self, uint16_t index, uint8_t sub, co_us_t now,
                          struct co_outbox *out)
 {
@@ -392,19 +412,11 @@ void slave_configure_pdo(struct slave *self, uint16_t index, uint8_t sub, co_us_
 
     if (mapping && !maps_anew(self->od, index, sub))
         return;
-    if (rpdo != NULL && mapping)
-        remap_rpdo(self, rpdo);
-    else if (rpdo != NULL)
-        configure_rpdo(self->od, rpdo);
-    if (tpdo != NULL && mapping)
-        remap_tpdo(self, tpdo, now);
-    else if (tpdo != NULL)
-        configure_tpdo(self->od, tpdo, now);
-    fill_table(self);
     if (rpdo != NULL)
-        slave_step_rpdo(self, rpdo, now, out);
+        change_rpdo(self, rpdo, mapping, now, out);
     if (tpdo != NULL)
-        slave_step_tpdo(self, tpdo, now, out);
+        change_tpdo(self, tpdo, mapping, now, out);
+    fill_table(self);
 }
 
 static bool is_synchronous(uint32_t cob_id, uint8_t type)

@@ -21,7 +21,7 @@ void slave_take_over(struct slave *self, uint16_t index, uint8_t sub, co_us_t no
 {
     if (index >= FIRST_RPDO_OBJECT && index <= LAST_TPDO_OBJECT) {
         slave_configure_pdo(self, index, sub, now, out);
-    } else if (index == 0x1005 || index == 0x1006 || index == 0x1007 || index == 0x1019) {
+    } else if (slave_is_sync_object(index)) {
         slave_configure_sync(self);
     } else if (index == 0x1014 || index == 0x1015) {
         slave_configure_emcy(self);

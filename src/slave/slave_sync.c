@@ -11,6 +11,11 @@
 #define SYNC_CAN_ID      0x80u /* where no object says another */
 #define EMCY_SYNC_LENGTH 0x8240u
 
+bool slave_is_sync_object(uint16_t index)
+{
+    return index == COB_ID_SYNC || index == CYCLE_PERIOD || index == COUNTER_OVERFLOW;
+}
+
 bool slave_knows_sync(const struct slave *self)
 {
     return self->assume_sync || od_has_object(self->od, COB_ID_SYNC);

@@ -96,13 +96,16 @@ void pdo_map_read(const struct pdo_map *self, uint8_t data[PDO_SIZE_MAX])
             memcpy(data + field->first / 8, field->entry->value, field->bits / 8);
 }
 
-static bool set_bytes(struct od_entry *entry, const uint8_t *bytes, uint32_t size)
+/* Few bytes, very often: calls of memcmp() and memcpy() would cost more. */
+static bool replace_bytes(uint8_t *bytes, const uint8_t *others, unsigned size)
 {
-    if (entry->size == size && memcmp(entry->value, bytes, size) == 0)
-        return false;
-    memcpy(entry->value, bytes, size);
-    entry->size = size;
-    return true;
+    unsigned different = 0;
+
+    for (unsigned i = 0; i < size; i++) {
+        different |= (unsigned)(bytes[i] ^ others[i]);
+        bytes[i] = others[i];
+    }
+    return different != 0;
 }
 
 /* Bits that are no number of just this size: BOOLEAN, strings, lengths that do not fit. */
@@ -112,6 +115,7 @@ static bool set_number(const struct pdo_field *field, uint64_t value)
     const uint64_t sign = UINT64_C(1) << (field->bits - 1);
     uint32_t size = od_type_size(entry->type);
     uint8_t bytes[OD_SMALL];
+    bool resized;
 
     if (size == 0)
         size = (field->bits + 7u) / 8u;
@@ -122,7 +126,9 @@ static bool set_number(const struct pdo_field *field, uint64_t value)
     else if (od_type_signed(entry->type))
         value = (value ^ sign) - sign;
     put_le(bytes, sizeof bytes, value);
-    return set_bytes(entry, bytes, size);
+    resized = entry->size != size;
+    entry->size = size;
+    return replace_bytes(entry->value, bytes, size) || resized;
 }
 
 static bool set_field(const struct pdo_field *field, const uint8_t *data)
@@ -130,7 +136,7 @@ static bool set_field(const struct pdo_field *field, const uint8_t *data)
     if (field->entry == NULL)
         return false;
     if (field->bytes)
-        return set_bytes(field->entry, data + field->first / 8, field->bits / 8);
+        return replace_bytes(field->entry->value, data + field->first / 8, field->bits / 8);
     return set_number(field, get_bits(data, field->first, field->bits));
 }
 

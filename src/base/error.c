@@ -20,6 +20,7 @@ static const char *const texts[] = {
     [-CO_ERR_HELD] = "the bus is held by a stopped process",
     [-CO_ERR_BITRATE] = "the interface runs at another bit rate",
     [-CO_ERR_INHIBITED] = "waits for the end of the inhibit time",
+    [-CO_ERR_UNSUPPORTED] = "not supported here",
 };
 
 const char *co_err_text(enum co_err err)

@@ -19,10 +19,11 @@ enum co_err {
     CO_ERR_VALUE = -10,  /* a value in well-formed input is not valid; a message tells */
     CO_ERR_EXISTS = -11, /* already there */
     CO_ERR_NOT_FOUND = -12,
-    CO_ERR_STATE = -13,    /* not possible in this state */
-    CO_ERR_HELD = -14,     /* a stopped process holds the virtual bus */
-    CO_ERR_BITRATE = -15,  /* the interface runs at another bit rate */
-    CO_ERR_INHIBITED = -16 /* it is kept, and goes out when the inhibit time ends */
+    CO_ERR_STATE = -13,      /* not possible in this state */
+    CO_ERR_HELD = -14,       /* a stopped process holds the virtual bus */
+    CO_ERR_BITRATE = -15,    /* the interface runs at another bit rate */
+    CO_ERR_INHIBITED = -16,  /* it is kept, and goes out when the inhibit time ends */
+    CO_ERR_UNSUPPORTED = -17 /* this bus or this kernel has no such thing */
 };
 
 const char *co_err_text(enum co_err err);

@@ -86,6 +86,26 @@ enum co_err bus_set_own_frames(struct bus *self, bool on)
     return self->ops->set_own_frames(self, on);
 }
 
+static bool is_cyclic(const struct co_frame *frames, unsigned count, co_us_t period)
+{
+    if (count > BUS_CYCLIC_MAX || (count > 0 && period == 0))
+        return false;
+    for (unsigned i = 0; i < count; i++) {
+        if (!is_sendable(&frames[i]))
+            return false;
+    }
+    return true;
+}
+
+enum co_err bus_set_cyclic(struct bus *self, const struct co_frame *frames, unsigned count,
+                           co_us_t period)
+{
+    if (is_cyclic(frames, count, period))
+        return self->ops->set_cyclic(self, frames, count, period);
+    self->ops->set_cyclic(self, NULL, 0, 0);
+    return CO_ERR_ARG;
+}
+
 enum bus_state bus_get_state(struct bus *self)
 {
     return self->ops->get_state(self);

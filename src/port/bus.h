@@ -87,6 +87,20 @@ enum co_err bus_set_filters(struct bus *self, const struct bus_filter *filters, 
  * moment may be received or not, and the tag of such a frame may be 0. CO_ERR_IO: all is as before.
  */
 enum co_err bus_set_own_frames(struct bus *self, bool on);
+
+#define BUS_CYCLIC_MAX 240u /* SYNC with a counter has as many different ones */
+
+/*
+ * Frames that the kernel sends by itself with its timers, one per period (us), in turns; the first
+ * one now. count 0: no more. The call ends what an earlier one has begun. When the bus comes back
+ * that was OFF or DOWN, they begin with the first one again. They are received here as if another
+ * program had sent them. After an error none are sent. CO_ERR_UNSUPPORTED: this bus or this kernel
+ * cannot, the caller has to send them; CO_ERR_ARG: period 0, more than BUS_CYCLIC_MAX, or a frame
+ * that bus_send() would refuse so; CO_ERR_MEMORY, CO_ERR_PERMISSION, CO_ERR_IO.
+ */
+enum co_err bus_set_cyclic(struct bus *self, const struct co_frame *frames, unsigned count,
+                           co_us_t period);
+
 enum bus_state bus_get_state(struct bus *self);
 /* How often a SocketCAN bus has become OFF or DOWN: some are over before anybody looks. */
 unsigned bus_outages(const struct bus *self);

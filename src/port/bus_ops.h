@@ -20,6 +20,8 @@ struct bus_ops {
     void (*wake)(struct bus *self);
     enum co_err (*set_filters)(struct bus *self, const struct bus_filter *filters, size_t count);
     enum co_err (*set_own_frames)(struct bus *self, bool on);
+    enum co_err (*set_cyclic)(struct bus *self, const struct co_frame *frames, unsigned count,
+                              co_us_t period); /* arguments are right */
     enum bus_state (*get_state)(struct bus *self);
     void (*explain)(struct bus *self, char *message, size_t message_size);
 };

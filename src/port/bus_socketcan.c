@@ -1,6 +1,7 @@
 #include "port/bus_socketcan.h"
 
 #include "port/bus_tags.h"
+#include "port/can_cyclic.h"
 #include "port/can_format.h"
 #include "port/can_watch.h"
 #include "port/clock.h"
@@ -35,6 +36,7 @@ struct bus_socketcan {
     struct can_watch watch;
     struct bus_tags tags;
     unsigned tags_outages; /* when they were last forgotten */
+    struct can_cyclic cyclic;
     struct bus_filter *filters;
     size_t filter_count;
 };
@@ -42,22 +44,6 @@ struct bus_socketcan {
 static struct bus_socketcan *to_socketcan(struct bus *bus)
 {
     return (struct bus_socketcan *)bus;
-}
-
-static enum co_err error_of(int error)
-{
-    switch (error) {
-    case EAGAIN:  /* no frame, or the socket's send buffer is full */
-    case ENOBUFS: /* the interface's queue is full */
-    case EINTR: return CO_ERR_AGAIN;
-    case ENETDOWN: return CO_ERR_DOWN;
-    case ENODEV:
-    case ENXIO: return CO_ERR_NO_BUS;
-    case EACCES:
-    case EPERM: return CO_ERR_PERMISSION;
-    case ENOMEM: return CO_ERR_MEMORY;
-    default: return CO_ERR_IO;
-    }
 }
 
 /* --- sending --- */
@@ -75,7 +61,7 @@ static bool expect_back(struct bus_socketcan *self, const struct co_frame *frame
     return expected;
 }
 
-/* Under the lock: what was on its way when the connection was lost does not come back. */
+/* What was on its way when the connection was lost does not come back. */
 static void forget_sent(struct bus_socketcan *self)
 {
     if (self->bus.outages != self->tags_outages)
@@ -83,12 +69,26 @@ static void forget_sent(struct bus_socketcan *self)
     self->tags_outages = self->bus.outages;
 }
 
+static enum co_err follow_cyclic(struct bus_socketcan *self)
+{
+    int index = can_watch_state(&self->watch) < BUS_OFF ? self->watch.bound : 0;
+
+    return can_cyclic_follow(&self->cyclic, index, self->bus.outages);
+}
+
+/* Under the lock, when the state may have changed. */
+static void follow_state(struct bus_socketcan *self)
+{
+    forget_sent(self);
+    follow_cyclic(self); /* where it fails, the next news are waited for */
+}
+
 /* What a call has run into; the kernel is asked how the interface is. */
 static void doubt_interface(struct bus_socketcan *self)
 {
     lock_take(&self->lock);
     can_watch_doubt(&self->watch);
-    forget_sent(self);
+    follow_state(self);
     lock_give(&self->lock);
 }
 
@@ -116,7 +116,7 @@ static enum co_err socketcan_send(struct bus *bus, const struct co_frame *frame)
     expected = expect_back(self, frame); /* before: it may come back at once */
     if (self->calls->send(self->fd, &raw, sizeof raw, 0) >= 0)
         return CO_OK;
-    err = error_of(errno);
+    err = can_parse_error(errno);
     if (expected) {
         lock_take(&self->lock);
         bus_tags_take_back(&self->tags, frame);
@@ -182,7 +182,7 @@ static void take_error_frame(struct bus_socketcan *self, const struct can_frame 
     can_watch_on_error_frame(&self->watch, frame);
     self->lost += self->watch.overruns;
     self->watch.overruns = 0;
-    forget_sent(self);
+    follow_state(self);
     lock_give(&self->lock);
 }
 
@@ -204,7 +204,7 @@ static enum co_err receive_one(struct bus_socketcan *self, struct bus_rx *ret_rx
 
     *ret_is_frame = false;
     if (size < 0)
-        return error_of(errno);
+        return can_parse_error(errno);
     ret_rx->time = read_control(self, &message);
     if (size != CAN_MTU)
         return CO_OK;
@@ -315,6 +315,34 @@ static enum co_err socketcan_set_own_frames(struct bus *bus, bool on)
     return err;
 }
 
+/* Under the lock. Without the interface they wait for it like everything else. */
+static enum co_err begin_cyclic(struct bus_socketcan *self)
+{
+    enum co_err err = follow_cyclic(self);
+
+    if (err == CO_ERR_DOWN || err == CO_ERR_NO_BUS) {
+        can_watch_doubt(&self->watch);
+        follow_state(self);
+        return CO_OK;
+    }
+    if (err)
+        can_cyclic_set(&self->cyclic, NULL, 0, 0);
+    return err;
+}
+
+static enum co_err socketcan_set_cyclic(struct bus *bus, const struct co_frame *frames,
+                                        unsigned count, co_us_t period)
+{
+    struct bus_socketcan *self = to_socketcan(bus);
+    enum co_err err;
+
+    lock_take(&self->lock);
+    can_cyclic_set(&self->cyclic, frames, count, period);
+    err = begin_cyclic(self);
+    lock_give(&self->lock);
+    return err;
+}
+
 /* --- the interface --- */
 
 /* Of the interface that went away the kernel has dropped the filters, too. */
@@ -326,7 +354,7 @@ static enum co_err bind_to(struct bus_socketcan *self, int index)
     if (err)
         return err;
     return self->calls->bind(self->fd, (const struct sockaddr *)&address, sizeof address) < 0
-               ? error_of(errno)
+               ? can_parse_error(errno)
                : CO_OK;
 }
 
@@ -340,7 +368,7 @@ static enum co_err follow_interface(struct bus_socketcan *self)
         err = bind_to(self, index);
     if (index != 0 && err == CO_OK)
         can_watch_bound(&self->watch, index);
-    forget_sent(self);
+    follow_state(self);
     return err;
 }
 
@@ -410,8 +438,8 @@ static enum co_err open_socket(struct bus_socketcan *self, const struct bus_mess
                         "service",
                         self->watch.name, strerror(errno));
     }
-    return bus_fail(message, error_of(errno), "%s: cannot open a CAN socket: %s", self->watch.name,
-                    strerror(errno));
+    return bus_fail(message, can_parse_error(errno), "%s: cannot open a CAN socket: %s",
+                    self->watch.name, strerror(errno));
 }
 
 static enum co_err configure_socket(struct bus_socketcan *self)
@@ -453,6 +481,7 @@ static void socketcan_close(struct bus *bus)
         close(self->fd);
     if (self->wake >= 0)
         close(self->wake);
+    can_cyclic_close(&self->cyclic);
     can_watch_close(&self->watch);
     lock_done(&self->lock);
     free(self->filters);
@@ -466,6 +495,7 @@ static const struct bus_ops socketcan_ops = { .close = socketcan_close,
                                               .wake = socketcan_wake,
                                               .set_filters = socketcan_set_filters,
                                               .set_own_frames = socketcan_set_own_frames,
+                                              .set_cyclic = socketcan_set_cyclic,
                                               .get_state = socketcan_get_state,
                                               .explain = socketcan_explain };
 
@@ -485,6 +515,7 @@ static struct bus_socketcan *new_socketcan(const struct socketcan_calls *calls, 
     self->fd = -1;
     self->wake = -1;
     self->own_frames = options->own_frames;
+    self->cyclic = (struct can_cyclic){ .calls = calls, .fd = -1 };
     self->watch = (struct can_watch){
         .calls = calls, .fd = -1, .kbit = options->bitrate, .outages = &self->bus.outages
     };
@@ -519,9 +550,12 @@ enum co_err bus_socketcan_open_with(const struct socketcan_calls *calls, const c
 enum co_err bus_socketcan_open(const char *name, const struct bus_options *options,
                                struct bus **ret_bus, const struct bus_message *message)
 {
-    static const struct socketcan_calls system_calls = {
-        .socket = socket, .bind = bind, .setsockopt = setsockopt, .send = send, .recvmsg = recvmsg
-    };
+    static const struct socketcan_calls system_calls = { .socket = socket,
+                                                         .connect = connect,
+                                                         .bind = bind,
+                                                         .setsockopt = setsockopt,
+                                                         .send = send,
+                                                         .recvmsg = recvmsg };
 
     return bus_socketcan_open_with(&system_calls, name, options, ret_bus, message);
 }

@@ -11,6 +11,7 @@
 
 struct socketcan_calls {
     int (*socket)(int family, int type, int protocol);
+    int (*connect)(int fd, const struct sockaddr *address, socklen_t size);
     int (*bind)(int fd, const struct sockaddr *address, socklen_t size);
     int (*setsockopt)(int fd, int level, int option, const void *value, socklen_t size);
     ssize_t (*send)(int fd, const void *data, size_t size, int flags);

@@ -292,6 +292,16 @@ static enum co_err virtual_set_own_frames(struct bus *bus, bool on)
     return CO_OK;
 }
 
+/* Nobody but the participants is there to send. */
+static enum co_err virtual_set_cyclic(struct bus *bus, const struct co_frame *frames,
+                                      unsigned count, co_us_t period)
+{
+    (void)bus;
+    (void)frames;
+    (void)period;
+    return count > 0 ? CO_ERR_UNSUPPORTED : CO_OK;
+}
+
 /* --- state --- */
 
 static enum bus_state virtual_get_state(struct bus *bus)
@@ -389,6 +399,7 @@ static const struct bus_ops virtual_ops = { .close = virtual_close,
                                             .wake = virtual_wake,
                                             .set_filters = virtual_set_filters,
                                             .set_own_frames = virtual_set_own_frames,
+                                            .set_cyclic = virtual_set_cyclic,
                                             .get_state = virtual_get_state,
                                             .explain = virtual_explain };
 

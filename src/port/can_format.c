@@ -1,5 +1,6 @@
 #include "port/can_format.h"
 
+#include <errno.h>
 #include <string.h>
 
 struct can_frame can_format_frame(const struct co_frame *frame)
@@ -43,4 +44,20 @@ struct can_filter can_format_filter(const struct bus_filter *filter)
     if (filter->flags_mask & CO_FRAME_RTR)
         result.can_mask |= CAN_RTR_FLAG;
     return result;
+}
+
+enum co_err can_parse_error(int error)
+{
+    switch (error) {
+    case EAGAIN:  /* no frame, or the socket's send buffer is full */
+    case ENOBUFS: /* the interface's queue is full */
+    case EINTR: return CO_ERR_AGAIN;
+    case ENETDOWN: return CO_ERR_DOWN;
+    case ENODEV:
+    case ENXIO: return CO_ERR_NO_BUS;
+    case EACCES:
+    case EPERM: return CO_ERR_PERMISSION;
+    case ENOMEM: return CO_ERR_MEMORY;
+    default: return CO_ERR_IO;
+    }
 }

@@ -18,12 +18,28 @@ static int failure(int error)
     return -1;
 }
 
+/* For a job of its own; the one before has ended. */
+static int play_bcm_socket(int type)
+{
+    ck_assert_int_eq(type, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK);
+    ck_assert(!played_job_runs());
+    if (kernel.bcm_error)
+        return failure(kernel.bcm_error);
+    if (kernel.bcm[1] > 0)
+        close(kernel.bcm[1]);
+    ck_assert_int_eq(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK, 0, kernel.bcm), 0);
+    kernel.job.index = 0;
+    return kernel.bcm[0];
+}
+
 static int play_socket(int family, int type, int protocol)
 {
     bool is_can = family == PF_CAN;
     int error = is_can ? kernel.socket_error : kernel.netlink_error;
     int *pair = is_can ? kernel.can : kernel.netlink;
 
+    if (is_can && protocol == CAN_BCM)
+        return play_bcm_socket(type);
     if (error)
         return failure(error);
     ck_assert(is_can || family == AF_NETLINK);
@@ -60,6 +76,22 @@ static int play_bind(int fd, const struct sockaddr *address, socklen_t size)
     if (can.can_ifindex != kernel.link.index)
         return failure(ENODEV);
     kernel.bound = can.can_ifindex;
+    return 0;
+}
+
+static int play_connect(int fd, const struct sockaddr *address, socklen_t size)
+{
+    struct sockaddr_can can;
+
+    ck_assert_int_eq(fd, kernel.bcm[0]);
+    ck_assert_uint_eq(size, sizeof can);
+    memcpy(&can, address, sizeof can);
+    ck_assert_int_eq(can.can_family, AF_CAN);
+    if (kernel.connect_error)
+        return failure(kernel.connect_error);
+    if (can.can_ifindex != kernel.link.index)
+        return failure(ENODEV);
+    kernel.job.index = can.can_ifindex;
     return 0;
 }
 
@@ -100,11 +132,42 @@ static ssize_t answer_request(const void *data, size_t size)
     return (ssize_t)size;
 }
 
+static void note_job(const struct bcm_msg_head *head, const void *frames)
+{
+    struct played_job *job = &kernel.job;
+
+    job->opcode = head->opcode;
+    job->flags = head->flags;
+    job->count = head->count;
+    job->first_periods = head->ival1;
+    job->period = head->ival2;
+    job->can_id = head->can_id;
+    job->frame_count = head->nframes;
+    memcpy(job->frames, frames, head->nframes * CAN_MTU);
+    job->started++;
+}
+
+static ssize_t start_job(const void *data, size_t size)
+{
+    struct bcm_msg_head head;
+
+    ck_assert_uint_ge(size, sizeof head);
+    memcpy(&head, data, sizeof head);
+    ck_assert_uint_le(head.nframes, BUS_CYCLIC_MAX);
+    ck_assert_uint_eq(size, sizeof head + head.nframes * CAN_MTU);
+    if (kernel.job_error)
+        return failure(kernel.job_error);
+    note_job(&head, (const char *)data + sizeof head);
+    return (ssize_t)size;
+}
+
 static ssize_t play_send(int fd, const void *data, size_t size, int flags)
 {
     ck_assert_int_eq(flags, 0);
     if (fd == kernel.netlink[0])
         return answer_request(data, size);
+    if (fd == kernel.bcm[0] && kernel.job.index != 0)
+        return start_job(data, size);
     ck_assert_int_eq(fd, kernel.can[0]);
     ck_assert_uint_eq(size, CAN_MTU);
     if (kernel.send_error)
@@ -161,6 +224,7 @@ static ssize_t play_recvmsg(int fd, struct msghdr *message, int flags)
 }
 
 const struct socketcan_calls played_calls = { .socket = play_socket,
+                                              .connect = play_connect,
                                               .bind = play_bind,
                                               .setsockopt = play_setsockopt,
                                               .send = play_send,
@@ -201,6 +265,13 @@ void played_close(struct bus *bus)
     bus_close(bus);
     close(kernel.can[1]);
     close(kernel.netlink[1]);
+}
+
+bool played_job_runs(void)
+{
+    char byte;
+
+    return kernel.job.index != 0 && recv(kernel.bcm[1], &byte, 1, 0) < 0; /* 0: it was closed */
 }
 
 void played_deliver(const struct delivery *delivery)

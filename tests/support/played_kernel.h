@@ -9,6 +9,7 @@
 #include "port/can_link.h"
 
 #include <linux/can.h>
+#include <linux/can/bcm.h>
 #include <time.h>
 
 /* What a recvmsg() on the CAN socket gives. */
@@ -23,12 +24,23 @@ struct delivery {
 
 #define PLAYED_LOG 256u /* frames sent that are kept */
 
+/* What CAN_BCM was told last, and where. */
+struct played_job {
+    unsigned started; /* how often one was */
+    int index;
+    uint32_t opcode, flags, count, frame_count;
+    struct bcm_timeval first_periods, period;
+    canid_t can_id;
+    struct can_frame frames[BUS_CYCLIC_MAX];
+};
+
 struct played_kernel {
     /* errors, as errno; 0: the call works */
     int socket_error, netlink_error, bind_error, send_error, option_error, failing_option;
-    int news_error;       /* of the next recvmsg() on the netlink socket */
-    struct can_link link; /* can0, index 0: there is none */
-    bool is_mute;         /* answers no requests */
+    int bcm_error, connect_error, job_error; /* of the three calls that start a job */
+    int news_error;                          /* of the next recvmsg() on the netlink socket */
+    struct can_link link;                    /* can0, index 0: there is none */
+    bool is_mute;                            /* answers no requests */
     /* what was asked for */
     struct can_filter filters[600];
     size_t filter_count;
@@ -39,7 +51,8 @@ struct played_kernel {
     struct can_frame sent; /* the last one */
     struct can_frame log[PLAYED_LOG];
     unsigned sent_count;
-    int can[2], netlink[2]; /* the bus has the first ones */
+    struct played_job job;
+    int can[2], netlink[2], bcm[2]; /* the bus has the first ones */
 };
 
 extern struct played_kernel kernel;
@@ -55,6 +68,8 @@ void played_deliver(const struct delivery *delivery);
 struct delivery played_frame(canid_t can_id, uint8_t first);
 /* An error frame with the second byte of its data. */
 void played_error_frame(canid_t class, uint8_t second);
+/* The kernel sends frames by itself at the moment. */
+bool played_job_runs(void);
 /* recvmsg() fails so. */
 void played_fail(int error);
 

@@ -2,26 +2,12 @@
  * SocketCAN on a real vcan0, which tests/vcan/run.sh provides in a place of its own; interfaces
  * that come, go and are down are made here with ip.
  */
-#include "port/bus.h"
-
 #include "port/clock.h"
+#include "support/vcan.h"
 
 #include <check.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define PATIENCE CO_MS(10000)
-
-static struct bus *open_on(const char *name, bool own_frames)
-{
-    const struct bus_options options = { .own_frames = own_frames };
-    char message[200] = "";
-    struct bus *bus = NULL;
-    enum co_err err = bus_open(name, &options, &bus, message, sizeof message);
-
-    ck_assert_msg(err == CO_OK, "%s", message);
-    return bus;
-}
 
 static enum co_err fail_on(const char *name, char *message, size_t size)
 {
@@ -33,20 +19,6 @@ static enum co_err fail_on(const char *name, char *message, size_t size)
     return err;
 }
 
-static void run(const char *command)
-{
-    ck_assert_msg(system(command) == 0, "%s", command);
-}
-
-static enum co_err send_tagged(struct bus *bus, const char *text, uint8_t tag)
-{
-    struct co_frame frame;
-
-    ck_assert(co_frame_parse(text, &frame));
-    frame.tag = tag;
-    return bus_send(bus, &frame);
-}
-
 static enum co_err send_number(struct bus *bus, uint32_t number)
 {
     struct co_frame frame = co_frame_make(0x123, 4);
@@ -55,47 +27,20 @@ static enum co_err send_number(struct bus *bus, uint32_t number)
     return bus_send(bus, &frame);
 }
 
-static struct bus_rx receive(struct bus *bus)
-{
-    co_us_t deadline = clock_now() + PATIENCE;
-    struct bus_rx rx = { .lost = 0 };
-
-    while (bus_receive(bus, &rx) == CO_ERR_AGAIN)
-        ck_assert_int_eq(bus_wait(bus, deadline), CO_OK);
-    return rx;
-}
-
-static struct bus_rx expect(struct bus *bus, const char *text)
-{
-    struct bus_rx rx = receive(bus);
-    char got[CO_FRAME_TEXT_SIZE];
-
-    ck_assert_str_eq(co_frame_format(&rx.frame, got, sizeof got), text);
-    return rx;
-}
-
-/* vcan delivers before send() returns: what is not there now does not come. */
-static void expect_nothing(struct bus *bus)
-{
-    struct bus_rx rx;
-
-    ck_assert_int_eq(bus_receive(bus, &rx), CO_ERR_AGAIN);
-}
-
 START_TEST(a_frame_reaches_the_others)
 {
-    struct bus *sender = open_on("vcan0", false), *reader = open_on("vcan0", true);
+    struct bus *sender = vcan_open("vcan0", false), *reader = vcan_open("vcan0", true);
     co_us_t before = clock_now();
     struct bus_rx rx;
 
-    ck_assert_int_eq(send_tagged(sender, "605#4000100000000000", 5), CO_OK);
-    rx = expect(reader, "605#4000100000000000");
+    ck_assert_int_eq(vcan_send(sender, "605#4000100000000000", 5), CO_OK);
+    rx = vcan_expect(reader, "605#4000100000000000");
     ck_assert_uint_eq(rx.frame.tag, 0);
     ck_assert_uint_eq(rx.frame.flags, 0);
     ck_assert_uint_eq(rx.lost, 0);
     ck_assert_uint_ge(rx.time + 1000, before); /* two clocks are read one after the other */
     ck_assert_uint_le(rx.time, clock_now());
-    expect_nothing(sender);
+    vcan_expect_nothing(sender);
     bus_close(sender);
     bus_close(reader);
 }
@@ -103,22 +48,22 @@ END_TEST
 
 START_TEST(own_frames_come_back_with_their_tags)
 {
-    struct bus *self = open_on("vcan0", true), *other = open_on("vcan0", false);
+    struct bus *self = vcan_open("vcan0", true), *other = vcan_open("vcan0", false);
     struct bus_rx rx;
 
-    ck_assert_int_eq(send_tagged(self, "181#01", 7), CO_OK);
-    ck_assert_int_eq(send_tagged(other, "182#02", 8), CO_OK);
-    ck_assert_int_eq(send_tagged(self, "181#01", 9), CO_OK);
-    rx = expect(self, "181#01");
+    ck_assert_int_eq(vcan_send(self, "181#01", 7), CO_OK);
+    ck_assert_int_eq(vcan_send(other, "182#02", 8), CO_OK);
+    ck_assert_int_eq(vcan_send(self, "181#01", 9), CO_OK);
+    rx = vcan_expect(self, "181#01");
     ck_assert_uint_eq(rx.frame.flags, CO_FRAME_OWN);
     ck_assert_uint_eq(rx.frame.tag, 7);
-    rx = expect(self, "182#02");
+    rx = vcan_expect(self, "182#02");
     ck_assert_uint_eq(rx.frame.flags, 0);
     ck_assert_uint_eq(rx.frame.tag, 0);
-    rx = expect(self, "181#01");
+    rx = vcan_expect(self, "181#01");
     ck_assert_uint_eq(rx.frame.flags, CO_FRAME_OWN);
     ck_assert_uint_eq(rx.frame.tag, 9);
-    expect_nothing(self);
+    vcan_expect_nothing(self);
     bus_close(self);
     bus_close(other);
 }
@@ -126,20 +71,20 @@ END_TEST
 
 START_TEST(own_frames_are_switched)
 {
-    struct bus *self = open_on("vcan0", false), *other = open_on("vcan0", false);
+    struct bus *self = vcan_open("vcan0", false), *other = vcan_open("vcan0", false);
 
-    ck_assert_int_eq(send_tagged(self, "181#01", 7), CO_OK);
-    expect_nothing(self);
+    ck_assert_int_eq(vcan_send(self, "181#01", 7), CO_OK);
+    vcan_expect_nothing(self);
     ck_assert_int_eq(bus_set_own_frames(self, true), CO_OK);
-    ck_assert_int_eq(send_tagged(self, "181#01", 8), CO_OK);
-    ck_assert_uint_eq(expect(self, "181#01").frame.tag, 8);
+    ck_assert_int_eq(vcan_send(self, "181#01", 8), CO_OK);
+    ck_assert_uint_eq(vcan_expect(self, "181#01").frame.tag, 8);
     ck_assert_int_eq(bus_set_own_frames(self, false), CO_OK);
-    ck_assert_int_eq(send_tagged(self, "181#02", 9), CO_OK);
+    ck_assert_int_eq(vcan_send(self, "181#02", 9), CO_OK);
     ck_assert_int_eq(bus_wait(self, clock_now() + CO_MS(5)), CO_ERR_TIMEOUT);
-    expect_nothing(self);
-    expect(other, "181#01");
-    expect(other, "181#01");
-    expect(other, "181#02");
+    vcan_expect_nothing(self);
+    vcan_expect(other, "181#01");
+    vcan_expect(other, "181#01");
+    vcan_expect(other, "181#02");
     bus_close(self);
     bus_close(other);
 }
@@ -172,15 +117,15 @@ static const struct {
 
 START_TEST(filters_pass_what_they_name)
 {
-    struct bus *sender = open_on("vcan0", false), *reader = open_on("vcan0", false);
+    struct bus *sender = vcan_open("vcan0", false), *reader = vcan_open("vcan0", false);
 
     ck_assert_int_eq(bus_set_filters(reader, filter_cases[_i].filters, filter_cases[_i].count),
                      CO_OK);
     for (unsigned i = 0; i < 6 && filter_cases[_i].sent[i]; i++)
-        ck_assert_int_eq(send_tagged(sender, filter_cases[_i].sent[i], 0), CO_OK);
+        ck_assert_int_eq(vcan_send(sender, filter_cases[_i].sent[i], 0), CO_OK);
     for (unsigned i = 0; i < 6 && filter_cases[_i].passes[i]; i++)
-        expect(reader, filter_cases[_i].passes[i]);
-    expect_nothing(reader);
+        vcan_expect(reader, filter_cases[_i].passes[i]);
+    vcan_expect_nothing(reader);
     bus_close(sender);
     bus_close(reader);
 }
@@ -192,12 +137,12 @@ START_TEST(all_see_the_same_order)
     uint32_t number;
 
     for (unsigned i = 0; i < 3; i++)
-        handles[i] = open_on("vcan0", true);
+        handles[i] = vcan_open("vcan0", true);
     for (uint32_t n = 0; n < 500; n++)
         ck_assert_int_eq(send_number(handles[n % 5 % 3], n), CO_OK);
     for (unsigned i = 0; i < 3; i++) {
         for (uint32_t n = 0; n < 500; n++) {
-            struct bus_rx rx = receive(handles[i]);
+            struct bus_rx rx = vcan_receive(handles[i]);
 
             memcpy(&number, rx.frame.data, sizeof number);
             ck_assert_uint_eq(number, n);
@@ -211,7 +156,7 @@ END_TEST
 START_TEST(a_slow_reader_learns_what_it_lost)
 {
     enum { COUNT = 60000 };
-    struct bus *sender = open_on("vcan0", false), *reader = open_on("vcan0", false);
+    struct bus *sender = vcan_open("vcan0", false), *reader = vcan_open("vcan0", false);
     uint32_t number, next = 0;
     unsigned lost = 0;
 
@@ -226,7 +171,7 @@ START_TEST(a_slow_reader_learns_what_it_lost)
     }
     ck_assert_uint_gt(next, 1000); /* the buffer was enlarged */
     ck_assert_int_eq(send_number(sender, COUNT), CO_OK);
-    lost = receive(reader).lost;
+    lost = vcan_receive(reader).lost;
     ck_assert_uint_gt(lost, 0);
     ck_assert_uint_eq(next + lost, COUNT);
     bus_close(sender);
@@ -236,17 +181,17 @@ END_TEST
 
 START_TEST(other_programs_are_heard)
 {
-    struct bus *bus = open_on("vcan0", true);
+    struct bus *bus = vcan_open("vcan0", true);
 
-    run("cansend vcan0 705#7F");
-    expect(bus, "705#7F");
+    vcan_run("cansend vcan0 705#7F");
+    vcan_expect(bus, "705#7F");
     bus_close(bus);
 }
 END_TEST
 
 START_TEST(waiting_ends_with_a_frame_a_wake_or_the_deadline)
 {
-    struct bus *bus = open_on("vcan0", true);
+    struct bus *bus = vcan_open("vcan0", true);
     co_us_t deadline = clock_now() + CO_MS(20);
 
     ck_assert_int_eq(bus_wait(bus, deadline), CO_ERR_TIMEOUT);
@@ -255,7 +200,7 @@ START_TEST(waiting_ends_with_a_frame_a_wake_or_the_deadline)
     ck_assert_int_eq(bus_wait(bus, CO_NEVER), CO_OK);
     ck_assert_int_eq(send_number(bus, 1), CO_OK);
     ck_assert_int_eq(bus_wait(bus, CO_NEVER), CO_OK);
-    expect(bus, "123#01000000");
+    vcan_expect(bus, "123#01000000");
     bus_close(bus);
 }
 END_TEST
@@ -268,40 +213,27 @@ START_TEST(interfaces_that_cannot_be_used_are_refused)
     ck_assert_ptr_nonnull(strstr(message, "vcan77: no such CAN interface"));
     ck_assert_int_eq(fail_on("lo", message, sizeof message), CO_ERR_NO_BUS);
     ck_assert_ptr_nonnull(strstr(message, "lo is not a CAN interface"));
-    run("ip link add vcan7 type vcan");
+    vcan_run("ip link add vcan7 type vcan");
     ck_assert_int_eq(fail_on("vcan7", message, sizeof message), CO_ERR_DOWN);
     ck_assert_ptr_nonnull(strstr(message, "run: ip link set vcan7 up"));
-    run("ip link set vcan7 name can7");
+    vcan_run("ip link set vcan7 name can7");
     ck_assert_int_eq(fail_on("can7", message, sizeof message), CO_ERR_DOWN);
     ck_assert_ptr_nonnull(strstr(message, "run: ip link set can7 up"));
-    run("ip link del can7");
+    vcan_run("ip link del can7");
 }
 END_TEST
-
-static void wait_state(struct bus *bus, enum bus_state state)
-{
-    co_us_t deadline = clock_now() + PATIENCE;
-    struct bus_rx rx;
-
-    while (bus_get_state(bus) != state) {
-        while (bus_receive(bus, &rx) == CO_OK)
-            ;
-        if (bus_get_state(bus) != state)
-            ck_assert_int_eq(bus_wait(bus, deadline), CO_OK);
-    }
-}
 
 START_TEST(an_interface_may_go_down_and_come_back)
 {
     struct bus *bus, *other;
     struct bus_rx rx;
 
-    run("ip link add vcan8 type vcan");
-    run("ip link set vcan8 up");
-    bus = open_on("vcan8", false);
-    other = open_on("vcan8", false);
-    run("ip link set vcan8 down");
-    ck_assert_int_eq(bus_wait(bus, clock_now() + PATIENCE), CO_OK);
+    vcan_run("ip link add vcan8 type vcan");
+    vcan_run("ip link set vcan8 up");
+    bus = vcan_open("vcan8", false);
+    other = vcan_open("vcan8", false);
+    vcan_run("ip link set vcan8 down");
+    ck_assert_int_eq(bus_wait(bus, clock_now() + VCAN_PATIENCE), CO_OK);
     for (unsigned i = 0; i < 3; i++)
         ck_assert_int_eq(bus_receive(bus, &rx), CO_ERR_DOWN);
     ck_assert_int_eq(bus_receive(other, &rx), CO_ERR_DOWN);
@@ -310,15 +242,15 @@ START_TEST(an_interface_may_go_down_and_come_back)
     while (bus_wait(bus, clock_now() + CO_MS(50)) == CO_OK)
         ; /* the news have come */
     ck_assert_int_eq(bus_wait(bus, clock_now() + CO_MS(50)), CO_ERR_TIMEOUT);
-    run("ip link set vcan8 up");
-    wait_state(bus, BUS_ACTIVE);
-    wait_state(other, BUS_ACTIVE);
+    vcan_run("ip link set vcan8 up");
+    vcan_wait_state(bus, BUS_ACTIVE);
+    vcan_wait_state(other, BUS_ACTIVE);
     ck_assert_int_eq(send_number(bus, 2), CO_OK);
-    expect(other, "123#02000000");
+    vcan_expect(other, "123#02000000");
     ck_assert_uint_eq(bus_outages(bus), 1);
     bus_close(other);
     bus_close(bus);
-    run("ip link del vcan8");
+    vcan_run("ip link del vcan8");
 }
 END_TEST
 
@@ -328,45 +260,45 @@ START_TEST(an_interface_may_be_removed_and_made_again)
     struct bus *bus, *other;
     struct bus_rx rx;
 
-    run("ip link add vcan8 type vcan");
-    run("ip link set vcan8 up");
-    bus = open_on("vcan8", false);
+    vcan_run("ip link add vcan8 type vcan");
+    vcan_run("ip link set vcan8 up");
+    bus = vcan_open("vcan8", false);
     ck_assert_int_eq(bus_set_filters(bus, &filter, 1), CO_OK);
     ck_assert_int_eq(bus_set_own_frames(bus, true), CO_OK);
-    run("ip link del vcan8");
-    wait_state(bus, BUS_DOWN);
+    vcan_run("ip link del vcan8");
+    vcan_wait_state(bus, BUS_DOWN);
     while (bus_receive(bus, &rx) != CO_ERR_NO_BUS)
-        ck_assert_int_eq(bus_wait(bus, clock_now() + PATIENCE), CO_OK);
+        ck_assert_int_eq(bus_wait(bus, clock_now() + VCAN_PATIENCE), CO_OK);
     ck_assert_int_eq(send_number(bus, 3), CO_ERR_NO_BUS);
-    run("ip link add vcan8 type vcan && ip link set vcan8 up");
-    wait_state(bus, BUS_ACTIVE);
-    other = open_on("vcan8", false);
-    ck_assert_int_eq(send_tagged(other, "122#", 0), CO_OK); /* the filter has stayed */
-    ck_assert_int_eq(send_tagged(other, "123#05", 0), CO_OK);
-    expect(bus, "123#05");
-    ck_assert_int_eq(send_tagged(bus, "123#06", 9), CO_OK); /* and so have the options */
-    ck_assert_uint_eq(expect(bus, "123#06").frame.tag, 9);
-    expect(other, "123#06");
+    vcan_run("ip link add vcan8 type vcan && ip link set vcan8 up");
+    vcan_wait_state(bus, BUS_ACTIVE);
+    other = vcan_open("vcan8", false);
+    ck_assert_int_eq(vcan_send(other, "122#", 0), CO_OK); /* the filter has stayed */
+    ck_assert_int_eq(vcan_send(other, "123#05", 0), CO_OK);
+    vcan_expect(bus, "123#05");
+    ck_assert_int_eq(vcan_send(bus, "123#06", 9), CO_OK); /* and so have the options */
+    ck_assert_uint_eq(vcan_expect(bus, "123#06").frame.tag, 9);
+    vcan_expect(other, "123#06");
     bus_close(other);
     bus_close(bus);
-    run("ip link del vcan8");
+    vcan_run("ip link del vcan8");
 }
 END_TEST
 
 /* vcan passes error frames on that a test writes. */
 START_TEST(error_frames_tell_the_state)
 {
-    struct bus *bus = open_on("vcan0", false);
+    struct bus *bus = vcan_open("vcan0", false);
 
-    run("cansend vcan0 20000004#0008000000000000");
-    wait_state(bus, BUS_WARNING);
-    run("cansend vcan0 20000004#0020000000000000");
-    wait_state(bus, BUS_PASSIVE);
-    run("cansend vcan0 20000040#0000000000000000");
-    wait_state(bus, BUS_OFF);
+    vcan_run("cansend vcan0 20000004#0008000000000000");
+    vcan_wait_state(bus, BUS_WARNING);
+    vcan_run("cansend vcan0 20000004#0020000000000000");
+    vcan_wait_state(bus, BUS_PASSIVE);
+    vcan_run("cansend vcan0 20000040#0000000000000000");
+    vcan_wait_state(bus, BUS_OFF);
     ck_assert_int_eq(send_number(bus, 1), CO_ERR_DOWN);
-    run("cansend vcan0 20000100#0000000000000000");
-    wait_state(bus, BUS_ACTIVE);
+    vcan_run("cansend vcan0 20000100#0000000000000000");
+    vcan_wait_state(bus, BUS_ACTIVE);
     ck_assert_int_eq(send_number(bus, 2), CO_OK);
     ck_assert_uint_eq(bus_outages(bus), 1);
     bus_close(bus);

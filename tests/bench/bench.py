@@ -1,0 +1,127 @@
+#!/usr/bin/env python3
+"""Measures and prints; sh tests/bench/run.sh builds what it needs and calls it.
+
+    bench.py --build DIR [--json] [--smoke] [--bus INTERFACE] [ROW...]
+
+Rows on a bus are measured on INTERFACE; without it on a vcan0 of their own (tests/vcan/run.sh).
+The exit code is 1 when a measurement has gone wrong; a missed target is no error.
+"""
+import argparse
+import json
+import os
+import shlex
+import subprocess
+import sys
+
+import bus_rows
+import count_rows
+from rows import ROOT, Bench
+
+BUS_MINUTES = 14
+
+
+def run_rows(rows, bench, names):
+    return [row.run(bench) for row in rows if not names or row.name in names]
+
+
+def fail_all(rows, names, reason, verdict):
+    return [{"row": row.name, "text": row.text, "relation": row.relation, "target": row.target,
+             "verdict": verdict, "reason": reason}
+            for row in rows if not names or row.name in names]
+
+
+def explain(output):
+    """Why nothing came back: what tests/vcan/run.sh says, or the end of it."""
+    lines = output.strip().splitlines() or ["tests/vcan/run.sh says nothing"]
+    cannot = [line for line in lines if line.startswith("this lane cannot run")]
+    return (cannot or lines)[-1], "not measured" if cannot else "error"
+
+
+def run_on_vcan(options):
+    """The rows on a bus, in the network or kernel that tests/vcan/run.sh brings."""
+    folder = Bench(options.build, "").folder
+    results, script = folder / "bus.json", folder / "bus.sh"
+    command = [sys.executable, "-B", __file__, "--build", options.build, "--bus", "vcan0",
+               "--results", str(results), *(["--smoke"] if options.smoke else []), *options.rows]
+    script.write_text(f"exec {shlex.join(command)}\n", encoding="utf-8")
+    results.unlink(missing_ok=True)
+    environment = dict(os.environ, MCANOPEN_VCAN_SECONDS=str(60 * BUS_MINUTES))
+    lane = subprocess.run(["sh", str(ROOT / "tests" / "vcan" / "run.sh"), options.build,
+                           str(script)], env=environment, capture_output=True, text=True,
+                          check=False)
+    if results.exists():
+        place = lane.stderr.strip().rpartition(", ")[2]
+        return json.loads(results.read_text(encoding="utf-8")), place
+    reason, verdict = explain(lane.stdout + lane.stderr)
+    return fail_all(bus_rows.ROWS, options.rows, reason, verdict), ""
+
+
+def measure(options):
+    """All rows that are wanted, and where the bus was."""
+    if options.bus:
+        place = options.bus
+        results = run_rows(bus_rows.ROWS, Bench(options.build, options.bus, options.smoke),
+                           options.rows)
+    elif any(not options.rows or row.name in options.rows for row in bus_rows.ROWS):
+        results, place = run_on_vcan(options)
+    else:
+        results, place = [], ""
+    here = Bench(options.build, f"virtual:bench-{os.getpid()}", options.smoke)
+    return results + run_rows(count_rows.ROWS, here, options.rows), place
+
+
+# --- printing ---
+
+def number(value):
+    if value is None:
+        return "-"
+    return f"{value:,.2f}" if isinstance(value, float) and abs(value) < 1000 else f"{value:,.0f}"
+
+
+def print_table(results, place):
+    wide = max(len(each["text"]) for each in results)
+    print(f"{'':{wide}}  {'measured':>9}  {'target':>9}")
+    for each in results:
+        target = f"{each['relation']} {number(each['target'])}"
+        print(f"{each['text']:{wide}}  {number(each.get('value')):>9}  {target:>9}  "
+              f"{each['verdict']}" + (f": {each['reason']}" if "reason" in each else ""))
+        if "neutral" in each:
+            print(f"    {number(each['ours'])} against {number(each['neutral'])}")
+    if place:
+        print(f"bus: vcan, {place}")
+
+
+def parse(arguments):
+    parser = argparse.ArgumentParser(prog="run.sh")
+    parser.add_argument("--build", required=True, help="folder with the programs")
+    parser.add_argument("--json", action="store_true", help="JSON instead of a table")
+    parser.add_argument("--smoke", action="store_true", help="few frames, once: does it work?")
+    parser.add_argument("--bus", help="a CAN interface that is up")
+    parser.add_argument("--results", help=argparse.SUPPRESS)  # rows on the bus only, to this file
+    names = [row.name for row in bus_rows.ROWS + count_rows.ROWS]
+    parser.add_argument("rows", nargs="*", metavar="ROW", help="only these: " + " ".join(names))
+    options = parser.parse_args(arguments)
+    unknown = set(options.rows) - set(names)
+    if unknown:
+        parser.error(f"there is no row {' '.join(sorted(unknown))}")
+    return options
+
+
+def main(arguments):
+    options = parse(arguments)
+    if options.results:
+        bench = Bench(options.build, options.bus, options.smoke)
+        with open(options.results, "w", encoding="utf-8") as file:
+            json.dump(run_rows(bus_rows.ROWS, bench, options.rows), file)
+        return 0
+    results, place = measure(options)
+    if options.json:
+        json.dump({"bus": place, "rows": results}, sys.stdout, indent=2)
+        print()
+    else:
+        print_table(results, place)
+    return any(each["verdict"] == "error" for each in results)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -9,7 +9,7 @@
 
 static HNODE create_with_objects(unsigned long objects)
 {
-    const SLAVE_NODE_INFO info = { .ulDeviceType = 0 };
+    const SLAVE_NODE_INFO info = { .ucMaxIdentityObject = 1 };
     HNODE node;
 
     device_open_network();
@@ -71,7 +71,7 @@ static unsigned long threads(void)
 
 int device_memory(unsigned long nodes)
 {
-    const SLAVE_NODE_INFO info = { .ulDeviceType = 0x00020192 };
+    const SLAVE_NODE_INFO info = { .ulDeviceType = 0x00020192, .ucMaxIdentityObject = 1 };
     size_t before = 0;
     unsigned long threads_before = 0;
 

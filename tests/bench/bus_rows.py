@@ -1,13 +1,13 @@
 """What is measured on a bus, against programs without a CANopen stack on the same one."""
 import time
 
-from rows import NotRun, Row, compare, of_counts, result_of
+from rows import NotRun, Row, compare, of_counts, result_of, wait_for_socket
 
 NODE, NEUTRAL_NODE = 5, 9
 SYNC_ID, TPDO_ID, RPDO_ID = 0x80, 0x180 + NODE, 0x200 + NODE
 FOREIGN_ID = 0x305  # nobody's
 RPDO_RATE = 12000
-LISTENS = 0.1  # seconds until a program that says nothing is surely listening
+SETTLES = 0.2  # seconds until what was sent is surely received
 
 
 def took_all(result):
@@ -22,9 +22,8 @@ def requests(bench, node, count):
 
 
 def neutral_server(bench):
-    server = bench.while_running(bench.start("neutral_sdo_server", "-n", NEUTRAL_NODE))
-    time.sleep(LISTENS)
-    return server
+    return bench.while_running(wait_for_socket(bench.start("neutral_sdo_server", "-n",
+                                                           NEUTRAL_NODE)))
 
 
 def round_trip(bench):
@@ -60,16 +59,16 @@ def measure_simulator(bench):
 
 # --- PDOs ---
 
-def rate_of(bench, cob_id, count, *producer):
-    """Frames per second that this producer brings to the bus; none may be missing."""
-    watch = bench.watch("-I", cob_id, "-q", 0, "-c", count, "-t", 1000)
+def rate_of(bench, count, *producer):
+    """TPDOs per second that this producer brings to the bus; none may be missing. The first ones,
+    at the start of the device, and the last ones do not count."""
+    watch = bench.watch("-I", TPDO_ID, "-q", 0, "-s", 5, "-c", count - 10, "-t", 1000)
     with bench.while_running(watch):
-        time.sleep(LISTENS)
         bench.run(*producer)
         watch.wait(20)
     result = check_lost(watch.result)
-    if result["frames"] != count or result["lost"]:
-        raise RuntimeError(f"{result['frames']} frames of {count}, {result['lost']} missing")
+    if result["frames"] != count - 10 or result["lost"]:
+        raise RuntimeError(f"{result['frames']} frames of {count - 10}, {result['lost']} missing")
     return result["frames_s"]
 
 
@@ -78,8 +77,8 @@ def tpdo_rates(verb):
         count = bench.count(500)
         neutral = ("neutral_pdogen", "-m", "flood", "-I", TPDO_ID, "-c", count)
         return compare(bench, max,
-                       lambda: rate_of(bench, TPDO_ID, count, "bench_device", verb, count),
-                       lambda: rate_of(bench, TPDO_ID, count, *neutral), 16)
+                       lambda: rate_of(bench, count, "bench_device", verb, count),
+                       lambda: rate_of(bench, count, *neutral), 16)
     return measure
 
 
@@ -88,7 +87,7 @@ def rpdos_lost(bench):
     with bench.while_running(bench.device("count-pdos")) as device:
         sent = bench.run("neutral_pdogen", "-m", "flood", "-I", RPDO_ID, "-r", RPDO_RATE, "-B", 6,
                          "-c", count)
-        time.sleep(LISTENS)
+        time.sleep(SETTLES)
     if not bench.smoke and sent["sent_s"] < RPDO_RATE * 0.97:
         raise NotRun(f"the yardstick's producer reaches {sent['sent_s']:.0f}/s here")
     return sent["sent"] - device.result["received"]
@@ -117,7 +116,7 @@ def rpdo_to_handler(bench):
     count = bench.count(200)
     with bench.while_running(bench.device("time-pdos")) as device:
         bench.run("neutral_pdogen", "-m", "flood", "-T", "-I", RPDO_ID, "-r", 500, "-c", count)
-        time.sleep(LISTENS)
+        time.sleep(SETTLES)
     if device.result["received"] != count:
         raise RuntimeError(f"{device.result['received']} of {count} PDOs were received")
     return device.result["p50_us"]

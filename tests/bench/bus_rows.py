@@ -64,7 +64,7 @@ def rate_of(bench, count, *producer):
     at the start of the device, and the last ones do not count."""
     watch = bench.watch("-I", TPDO_ID, "-q", 0, "-s", 5, "-c", count - 10, "-t", 1000)
     with bench.while_running(watch):
-        bench.run(*producer)
+        bench.run_first(*producer)
         watch.wait(20)
     result = check_lost(watch.result)
     if result["frames"] != count - 10 or result["lost"]:

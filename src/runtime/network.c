@@ -154,6 +154,7 @@ static void *run(void *context)
         deadline = next_deadline(self);
         signal_changes(self);
         closing = self->closing;
+        self->sleeps_until = more ? 0 : deadline;
         lock_give(&self->lock);
         if (!closing && !more)
             wait_for_bus(self, deadline);
@@ -405,13 +406,14 @@ void network_poke(struct network *self)
 /* True if something has happened meanwhile. */
 static bool send_out(struct network *self, uint8_t node)
 {
-    const co_us_t now = clock_now();
+    const co_us_t now = self->now;
     const struct device nobody = { .node = node };
     const struct device *device = network_device(self, node);
 
     network_drain(self, device ? device : &nobody, now);
     network_flush(self, now);
-    bus_wake(self->bus); /* deadlines may have changed */
+    if (next_deadline(self) < self->sleeps_until)
+        bus_wake(self->bus);
     return signal_changes(self);
 }
 

@@ -43,6 +43,7 @@ struct network {
     bool has_events;          /* since the last signal of changed */
     co_us_t last_frame;       /* time of the frame delivered last */
     co_us_t now;              /* of the step or call under way */
+    co_us_t sleeps_until;     /* the thread, when the lock is free; 0: it does not sleep */
     bool has_priority;
     int priority; /* as claimed */
 };

@@ -3,6 +3,7 @@
 #include "port/bus_tags.h"
 #include "port/can_cyclic.h"
 #include "port/can_format.h"
+#include "port/can_stamp.h"
 #include "port/can_watch.h"
 #include "port/clock.h"
 #include "port/thread.h"
@@ -19,7 +20,6 @@
 #include <unistd.h>
 
 #define RECEIVE_BUFFER (4 * 1024 * 1024) /* bytes; some thousand frames */
-#define STAMP_AGE_MAX  CO_MS(10000)      /* an older one means that the wall clock was set */
 
 /* Not the lost arbitrations (they are normal) and bus errors (they come as fast as frames). */
 #define ERROR_FRAMES (CAN_ERR_BUSOFF | CAN_ERR_RESTARTED | CAN_ERR_CRTL | CAN_ERR_ACK)
@@ -129,18 +129,6 @@ static enum co_err socketcan_send(struct bus *bus, const struct co_frame *frame)
 
 /* --- receiving --- */
 
-/* The kernel's time stamp is of the wall clock. */
-static co_us_t monotonic_of(const struct timespec *stamp)
-{
-    co_us_t now = clock_now();
-    struct timespec wall;
-    int64_t age;
-
-    clock_gettime(CLOCK_REALTIME, &wall);
-    age = ((int64_t)wall.tv_sec - stamp->tv_sec) * 1000000 + (wall.tv_nsec - stamp->tv_nsec) / 1000;
-    return age > 0 && age < (int64_t)STAMP_AGE_MAX ? now - (co_us_t)age : now;
-}
-
 /* The time of reception; the losses are added up. */
 static co_us_t read_control(struct bus_socketcan *self, struct msghdr *message)
 {
@@ -157,7 +145,7 @@ static co_us_t read_control(struct bus_socketcan *self, struct msghdr *message)
             self->overflows = overflows;
         } else if (part->cmsg_type == SCM_TIMESTAMPNS) {
             memcpy(&stamp, CMSG_DATA(part), sizeof stamp);
-            time = monotonic_of(&stamp);
+            time = can_stamp_time(&self->stamp, &stamp);
         }
     }
     return time != 0 ? time : clock_now();

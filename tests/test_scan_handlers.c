@@ -4,6 +4,7 @@
 #include "support/suite.h"
 
 #include <pthread.h>
+#include <sched.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -247,6 +248,33 @@ START_TEST(a_node_that_is_reset_while_its_handler_runs)
 }
 END_TEST
 
+static void *delete_node(void *result)
+{
+    *(int *)result = canOpenDeleteNode(node);
+    return NULL;
+}
+
+/* Who deletes a node waits for the handler, and is told when it has returned. */
+START_TEST(a_node_that_is_deleted_while_its_handler_runs)
+{
+    int result = -1, state, error;
+    pthread_t thread;
+
+    scan_number(node, 0x2000, TYP_UINT8, BOTH, 1, on_blocked);
+    go();
+    pthread_mutex_lock(&gate);
+    scan_send(plant, "605#2F00200007000000");
+    scan_await_note("0/5 2000:00 blocked 1");
+    ck_assert_int_eq(canOpenResetNode(node), SCANOPEN_OK);
+    ck_assert_int_eq(pthread_create(&thread, NULL, delete_node, &result), 0);
+    while (canOpenGetNodeInfo(node, &state, &error) != SCANOPEN_INVALID_HANDLE)
+        sched_yield();
+    pthread_mutex_unlock(&gate);
+    ck_assert_int_eq(pthread_join(thread, NULL), 0);
+    ck_assert_int_eq(result, SCANOPEN_OK);
+}
+END_TEST
+
 /* --- time stamps --- */
 
 static uint64_t last_time; /* written before its note */
@@ -396,6 +424,7 @@ static void add_tests(TCase *tcase)
     tcase_add_test(tcase, a_handler_that_blocks);
     tcase_add_test(tcase, a_client_that_aborts_meanwhile);
     tcase_add_test(tcase, a_node_that_is_reset_while_its_handler_runs);
+    tcase_add_test(tcase, a_node_that_is_deleted_while_its_handler_runs);
     tcase_add_loop_test(tcase, handlers_with_time, 0, 4);
     tcase_add_test(tcase, a_sync_asks_for_data);
     tcase_add_test(tcase, a_remote_frame_asks_for_data);

@@ -223,7 +223,7 @@ int scan_enter_entry(HDICT handle, struct scan_node **ret_node, uint32_t *ret_nu
 void scan_leave(struct scan_node *node)
 {
     pthread_mutex_lock(&scan.lock);
-    if (--node->users == 0 && node->closing)
+    if (--node->users <= 1 && node->closing) /* the one who closes it is inside */
         pthread_cond_broadcast(&scan.left);
     pthread_mutex_unlock(&scan.lock);
 }

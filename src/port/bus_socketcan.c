@@ -37,6 +37,7 @@ struct bus_socketcan {
     struct bus_tags tags;
     unsigned tags_outages; /* when they were last forgotten */
     struct can_cyclic cyclic;
+    struct can_stamp stamp;
     struct bus_filter *filters;
     size_t filter_count;
 };

@@ -173,6 +173,7 @@ static void add_objects(void)
 
     scan_number(node, 0x2000, TYP_UINT8, WRITE_ACCESS | MAPPABLE, 1, on_data);
     scan_number(node, 0x2001, TYP_UINT8, READ_ACCESS | MAPPABLE, 1, on_data);
+    scan_number(node, 0x2003, TYP_UINT8, READ_ACCESS | MAPPABLE, 1, NULL);
     ck_assert_int_eq(canOpenExtendDictionary(node, 0x2002, 0, OBJ_VAR, MAP_UINT8), SCANOPEN_OK);
     ck_assert_int_eq(
         canOpenInitDictionaryTs(node, 0x2002, 0, NULL, WRITE_ACCESS, &data, on_data_ts),
@@ -192,13 +193,14 @@ static HPDO define(uint32_t cob_id, unsigned mode, const uint16_t *mapping)
 static void set_up(void)
 {
     const uint16_t output[] = { 0x2000, 0, 0, 0 }, input[] = { 0x2001, 0, 0, 0 };
+    const uint16_t other[] = { 0x2003, 0, 0, 0 };
     const SLAVE_NODE_INFO info = scan_info();
 
     plant = scan_plant_new(0);
     ck_assert_int_eq(canOpenCreateNodeEx(0, 5, on_event, &info, &node), SCANOPEN_OK);
     add_objects();
     rx = define(DEFAULT_PDO1, RECEIVE_PDO | AUTO_NOTIFY_PDO | 255, output);
-    tx = define(DEFAULT_PDO1, TRANSMIT_PDO | 255, NULL);
+    tx = define(DEFAULT_PDO1, TRANSMIT_PDO | 255, other);
     tx_done = define(DEFAULT_PDO2, TRANSMIT_PDO | TX_DONE_PDO | 255, NULL);
     define(DEFAULT_PDO3, TRANSMIT_PDO | 1, input);
     ck_assert_int_eq(canOpenActivateNode(node), SCANOPEN_OK);

@@ -338,7 +338,8 @@ END_TEST
 /* A client writes into the application's memory, as long as there is room. */
 START_TEST(strings_written_by_a_client)
 {
-    char memory[4] = "old", *text = NULL;
+    static char memory[4] = "old"; /* it must stay as long as the node */
+    char *text = NULL;
     DictionaryData data = { .visstring = { memory, sizeof memory, 3 } };
 
     extend(0x2000, 0, OBJ_VAR, MAP_VIS_STRING);
@@ -407,11 +408,11 @@ START_TEST(sub_index_ff)
     extend(0x2001, 3, OBJ_ARRAY, MAP_INT16);
     extend(0x2002, 2, OBJ_RECORD, types);
     scan_activate(plant, node);
-    ck_assert_str_eq(uploaded(0x2000, 0xFF), "07000700");
-    ck_assert_str_eq(uploaded(0x2001, 0xFF), "08000300");
+    ck_assert_str_eq(uploaded(0x2000, 0xFF), "07070000");
+    ck_assert_str_eq(uploaded(0x2001, 0xFF), "08030000");
     ck_assert_uint_eq(scan_sdo_read(plant, 5, 0x2002, 0xFF, &structure), 0);
     ck_assert_uint_eq(structure & 0xFF, OBJ_RECORD);
-    ck_assert_str_eq(uploaded(0x1018, 0xFF), "09002300"); /* the library's own, too */
+    ck_assert_str_eq(uploaded(0x1018, 0xFF), "abort 06090011"); /* the library's own */
     ck_assert_uint_eq(scan_sdo_write(plant, 5, 0x2000, 0xFF, 4, 0), 0x06010002);
 }
 END_TEST

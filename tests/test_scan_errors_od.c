@@ -361,9 +361,9 @@ START_TEST(within_the_inhibit_time)
     notify_pdo(200);
     scan_activate(plant, node);
     scan_operational(plant, node);
-    ck_assert_int_eq(write_at(_i, 0x2000, 0, &two), SCANOPEN_OK);
-    scan_await(plant, "185#02");
+    scan_await(plant, "185#01"); /* it begins with one */
     first = scan_time(plant);
+    ck_assert_int_eq(write_at(_i, 0x2000, 0, &two), SCANOPEN_INHIBITED);
     ck_assert_int_eq(write_at(_i, 0x2000, 0, &three), SCANOPEN_INHIBITED);
     ck_assert_uint_eq(scan_get(node, 0x2000, 0), 3);
     scan_expect(plant, "185#03");

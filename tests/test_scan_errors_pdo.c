@@ -14,6 +14,7 @@ static HNODE node;
 
 static const uint16_t outputs[] = { 0x2000, 0, 0, 0 };
 static const uint16_t inputs[] = { 0x2001, 0, 0, 0 };
+static const uint16_t others[] = { 0x2002, 0, 0, 0 };
 
 /* 2000h..2004h: for RPDOs, for TPDOs, for both and many, not mappable, of four bytes. */
 static void set_up(void)
@@ -305,8 +306,10 @@ START_TEST(a_bus_that_is_too_slow)
     HPDO tx, rx;
 
     node = scan_node(slow, 6, NULL);
-    tx = make(DEFAULT_PDO1, TRANSMIT_PDO | TX_DONE_PDO | 255, 1, 0, NULL);
-    rx = make(DEFAULT_PDO1, RECEIVE_PDO | 255, 1, 1000, NULL);
+    scan_number(node, 0x2001, TYP_UINT8, READ_ACCESS | MAPPABLE, 1, NULL);
+    scan_number(node, 0x2000, TYP_UINT8, BOTH | MAPPABLE, 1, NULL);
+    tx = make(DEFAULT_PDO1, TRANSMIT_PDO | TX_DONE_PDO | 255, 1, 0, inputs);
+    rx = make(DEFAULT_PDO1, RECEIVE_PDO | 255, 1, 1000, outputs);
     scan_activate(slow, node);
     scan_operational(slow, node);
     ck_assert_int_eq(canOpenWritePDO(tx, NULL), SCANOPEN_TX_TIMEOUT);
@@ -320,7 +323,7 @@ END_TEST
 START_TEST(nothing_comes)
 {
     HPDO at_once = make(DEFAULT_PDO1, RECEIVE_PDO | 255, 0, 0, outputs);
-    HPDO soon = make(DEFAULT_PDO2, RECEIVE_PDO | 255, 0, 20, NULL);
+    HPDO soon = make(DEFAULT_PDO2, RECEIVE_PDO | 255, 0, 20, others);
     uint8_t buffer[8] = { 9 };
 
     scan_activate(plant, node);
@@ -366,7 +369,7 @@ START_TEST(another_length_than_the_mapping)
 {
     const char *const frames[] = { "205#", "205#0102" };
     struct waiting waiting = { .call = receives[_i % 2],
-                               .pdo = make(DEFAULT_PDO1, RECEIVE_PDO | 255, 0, 30000, outputs),
+                               .pdo = make(DEFAULT_PDO1, RECEIVE_PDO | 255, 0, 30000, others),
                                .buffer = { 9 } };
 
     scan_activate(plant, node);
@@ -379,7 +382,7 @@ START_TEST(another_length_than_the_mapping)
     ck_assert_int_eq(pthread_join(waiting.thread, NULL), 0);
     ck_assert_int_eq(waiting.result, SCANOPEN_LENGTH_MISMATCH);
     ck_assert_uint_eq(waiting.buffer[0], 9);
-    ck_assert_uint_eq(scan_get(node, 0x2000, 0), 1);
+    ck_assert_uint_eq(scan_get(node, 0x2002, 0), 1);
 }
 END_TEST
 

@@ -126,7 +126,8 @@ static int on_text(int net, int id, int index, int sub, void *data)
 
 START_TEST(a_handler_of_a_string)
 {
-    char memory[8] = "old", *now = NULL;
+    static char memory[8] = "old"; /* it must stay as long as the node */
+    char *now = NULL;
     DictionaryData data = { .visstring = { memory, sizeof memory, 3 } };
 
     ck_assert_int_eq(canOpenExtendDictionary(node, 0x2000, 0, OBJ_VAR, MAP_VIS_STRING),

@@ -237,11 +237,9 @@ START_TEST(the_manager_goes_on)
 
     ck_assert_int_eq(configure_manager(SCAN_BITRATE), MCANOPEN_OK);
     ck_assert_int_eq(canOpenCreateNetworkEx(0, &info), SCANOPEN_OK);
-    mcanOpenStart();
     ck_assert_int_eq(canOpenRemoveNetwork(0), SCANOPEN_OK);
-    scan_forget(plant);
-    ck_assert_int_eq(mcanOpenResetNode(0, 5), MCANOPEN_OK);
-    scan_await(plant, "000#8105");
+    mcanOpenStart();
+    scan_await(plant, "000#8200");
     ck_assert_int_eq(mcanOpenGetNodeState(0, 5, &state), MCANOPEN_OK);
     scan_plant_free(plant);
 }

@@ -4,14 +4,16 @@
 
 /*
  * A handle is a number in the clothes of a pointer: the node's slot in the low byte, above it the
- * generation, and for PDOs and entries their number in the node on top. 0 is no handle.
+ * generation, the number of a PDO or an entry in the node, and on top what it is. 0 is no handle.
  */
-#define SLOT_BITS        8u
-#define WIDE             (sizeof(uintptr_t) > sizeof(uint32_t))
-#define ENTRY_BITS       (WIDE ? 32u : 16u)
-#define GENERATION_BITS  (WIDE ? 24u : 8u)
-#define GENERATION_MASK  ((1u << GENERATION_BITS) - 1)
-#define TRANSMIT_PDO_BIT 0x8000u /* of a PDO's number */
+#define SLOT_BITS       8u
+#define WIDE            (sizeof(uintptr_t) > sizeof(uint32_t))
+#define NUMBER_BITS     (WIDE ? 30u : 14u)
+#define GENERATION_BITS (WIDE ? 24u : 8u)
+#define GENERATION_MASK ((1u << GENERATION_BITS) - 1)
+#define NUMBER_MASK     ((1u << NUMBER_BITS) - 1)
+
+enum kind { NODE, RECEIVED, TRANSMITTED, ENTRY };
 
 static struct {
     pthread_mutex_t lock; /* of nodes, generations, and the users of nodes */
@@ -30,11 +32,12 @@ struct parts {
     unsigned slot;
     uint32_t generation;
     uint32_t number;
+    unsigned kind; /* enum kind */
 };
 
-static uintptr_t make_handle(const struct scan_node *node, uint32_t number)
+static uintptr_t make_handle(const struct scan_node *node, enum kind kind, uint32_t number)
 {
-    uintptr_t value = number;
+    uintptr_t value = (uintptr_t)kind << NUMBER_BITS | number;
 
     value = value << GENERATION_BITS | (node->generation & GENERATION_MASK);
     return value << SLOT_BITS | node->slot;
@@ -46,19 +49,20 @@ static struct parts take_apart(uintptr_t handle)
 
     return (struct parts){ .slot = (unsigned)(handle & ((1u << SLOT_BITS) - 1)),
                            .generation = (uint32_t)(above & GENERATION_MASK),
-                           .number = (uint32_t)(above >> GENERATION_BITS) };
+                           .number = (uint32_t)(above >> GENERATION_BITS & NUMBER_MASK),
+                           .kind = (unsigned)(above >> GENERATION_BITS >> NUMBER_BITS) };
 }
 
 HNODE scan_node_handle(const struct scan_node *node)
 {
-    return (HNODE)make_handle(node, 0); // NOLINT(performance-no-int-to-ptr)
+    return (HNODE)make_handle(node, NODE, 0); // NOLINT(performance-no-int-to-ptr)
 }
 
 HPDO scan_pdo_handle(const struct scan_node *node, bool transmit, uint16_t number)
 {
-    const uint32_t marked = number | (transmit ? TRANSMIT_PDO_BIT : 0u);
+    const enum kind kind = transmit ? TRANSMITTED : RECEIVED;
 
-    return (HPDO)make_handle(node, marked); // NOLINT(performance-no-int-to-ptr)
+    return (HPDO)make_handle(node, kind, number); // NOLINT(performance-no-int-to-ptr)
 }
 
 static bool make_handle_room(struct scan_node *node)
@@ -68,7 +72,7 @@ static bool make_handle_room(struct scan_node *node)
 
     if (node->handle_count < node->handle_room)
         return true;
-    if (node->handle_count >= (UINT64_C(1) << ENTRY_BITS) - 2)
+    if (node->handle_count >= NUMBER_MASK)
         return false;
     handles = realloc(node->handles, room * sizeof(struct od_entry *));
     if (!handles)
@@ -86,7 +90,8 @@ int scan_entry_handle(struct scan_node *node, struct od_entry *entry, HDICT *ret
         node->handles[node->handle_count++] = entry;
         entry->handle = node->handle_count;
     }
-    *ret_handle = (HDICT)make_handle(node, entry->handle); // NOLINT(performance-no-int-to-ptr)
+    *ret_handle = (HDICT)make_handle(node, ENTRY,
+                                     entry->handle); // NOLINT(performance-no-int-to-ptr)
     return SCANOPEN_OK;
 }
 
@@ -190,7 +195,8 @@ int scan_enter(HNODE handle, struct scan_node **ret_node)
 {
     const struct parts parts = take_apart((uintptr_t)handle);
 
-    return parts.number == 0 ? enter(&parts, ret_node) : SCANOPEN_INVALID_HANDLE;
+    return parts.kind == NODE && parts.number == 0 ? enter(&parts, ret_node)
+                                                   : SCANOPEN_INVALID_HANDLE;
 }
 
 int scan_enter_token(const struct scan_token *token, struct scan_node **ret_node)
@@ -205,9 +211,10 @@ int scan_enter_pdo(HPDO handle, struct scan_node **ret_node, bool *ret_transmit,
 {
     const struct parts parts = take_apart((uintptr_t)handle);
 
-    *ret_transmit = (parts.number & TRANSMIT_PDO_BIT) != 0;
-    *ret_number = (uint16_t)(parts.number & ~TRANSMIT_PDO_BIT);
-    if (parts.number > UINT16_MAX || *ret_number < 1 || *ret_number > SCAN_PDOS)
+    *ret_transmit = parts.kind == TRANSMITTED;
+    *ret_number = (uint16_t)parts.number;
+    if ((parts.kind != TRANSMITTED && parts.kind != RECEIVED) || parts.number < 1 ||
+        parts.number > SCAN_PDOS)
         return SCANOPEN_INVALID_HANDLE;
     return enter(&parts, ret_node);
 }
@@ -217,7 +224,8 @@ int scan_enter_entry(HDICT handle, struct scan_node **ret_node, uint32_t *ret_nu
     const struct parts parts = take_apart((uintptr_t)handle);
 
     *ret_number = parts.number;
-    return parts.number > 0 ? enter(&parts, ret_node) : SCANOPEN_INVALID_HANDLE;
+    return parts.kind == ENTRY && parts.number > 0 ? enter(&parts, ret_node)
+                                                   : SCANOPEN_INVALID_HANDLE;
 }
 
 void scan_leave(struct scan_node *node)

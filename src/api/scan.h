@@ -191,6 +191,8 @@ union scan_data {
 };
 void scan_data_from(uint8_t type, uint8_t *bytes, uint32_t size, union scan_data *ret_data);
 
+/* A NUL behind a string that clients may write, where there is room. */
+void scan_end_text(const struct od_entry *entry);
 /* A mapped object's value in the data of a PDO, in the size of its type. */
 void scan_field_bytes(const struct pdo_field *field, const uint8_t data[8], uint8_t ret_bytes[8]);
 /* May it be so? With 'store' it becomes so. */
@@ -209,8 +211,16 @@ void scan_set_pdo_flags(struct scan_node *node);
 /* Offline: how many PDOs each entry is in. */
 void scan_count_maps(struct scan_node *node);
 int scan_error_of_send(enum co_err err);
-/* Waits until TPDOs with TX_DONE_PDO that map the entry have been on the bus. Under the lock. */
-int scan_wait_sent(struct scan_node *node, const struct od_entry *entry, int result);
+/* A TPDO with AUTO_NOTIFY maps the entry. */
+bool scan_is_sent(const struct scan_node *node, const struct od_entry *entry);
+/* The TPDO with TX_DONE_PDO that a change of the entry sends. Under the lock. */
+struct scan_sending {
+    uint16_t number; /* 0: none, or nobody may wait */
+    unsigned before; /* scan_pdo.confirmed */
+};
+struct scan_sending scan_begin_sending(const struct scan_node *node, const struct od_entry *entry);
+/* Waits until it has been on the bus, where the result so far is SCANOPEN_OK. Under the lock. */
+int scan_wait_sent(struct scan_node *node, const struct scan_sending *sending, int result);
 
 /* ---- scan_handlers.c ---- */
 

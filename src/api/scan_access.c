@@ -141,10 +141,11 @@ static int write_text(struct od_entry *entry, const void *data)
     if (text->ulLength > text->ulSize || text->ulSize > UINT32_MAX ||
         (!text->pData && text->ulSize > 0))
         return SCANOPEN_WRONG_PARAMETER;
-    return od_refer(entry, text->pData, (uint32_t)text->ulLength, (uint32_t)text->ulSize, false) ==
-                   CO_OK
-               ? SCANOPEN_OK
-               : SCANOPEN_OUT_OF_MEMORY;
+    if (od_refer(entry, text->pData, (uint32_t)text->ulLength, (uint32_t)text->ulSize, false) !=
+        CO_OK)
+        return SCANOPEN_OUT_OF_MEMORY;
+    scan_end_text(entry);
+    return SCANOPEN_OK;
 }
 
 static int write_number(struct od_entry *entry, const void *data)
@@ -164,21 +165,32 @@ static int write_entry(struct od_entry *entry, const void *data)
     return scan_is_text(entry->type) ? write_text(entry, data) : write_number(entry, data);
 }
 
-/* What is to be sent because of it; without data the entry's PDOs go out as they are. */
+/* The device is told of the change; what is sent because of it may have to be waited for. */
+static int announce_change(struct scan_node *node, struct od_entry *entry, co_us_t now,
+                           struct co_outbox *out)
+{
+    const struct scan_sending before = scan_begin_sending(node, entry);
+    int result;
+
+    if (!node->active)
+        return SCANOPEN_OK;
+    result = scan_error_of_send(slave_entry_changed(&node->slave, entry, now, out));
+    if (scan_node_state(node) != NodeOperational)
+        return SCANOPEN_OK;
+    return scan_wait_sent(node, &before, result);
+}
+
+/* Without data the entry's PDOs go out as they are. */
 static int announce(struct scan_node *node, struct od_entry *entry, const void *data, co_us_t now,
                     struct co_outbox *out)
 {
-    int result;
-
-    if (!node->active || !slave_entry_is_sent(&node->slave, entry)) {
-        if (node->active)
-            slave_entry_changed(&node->slave, entry, now, out);
-        return data ? SCANOPEN_OK : SCANOPEN_WRONG_PARAMETER;
-    }
-    result = scan_error_of_send(slave_entry_changed(&node->slave, entry, now, out));
-    if (result == SCANOPEN_WRONG_NODESTATE && data)
-        return SCANOPEN_OK;
-    return scan_wait_sent(node, entry, result);
+    if (data)
+        return announce_change(node, entry, now, out);
+    if (!scan_is_sent(node, entry))
+        return SCANOPEN_WRONG_PARAMETER;
+    if (scan_node_state(node) != NodeOperational)
+        return SCANOPEN_WRONG_NODESTATE;
+    return announce_change(node, entry, now, out);
 }
 
 static int write_place(struct scan_node *node, const struct place *place, const void *data)

@@ -47,6 +47,15 @@ static void tell_pdo_error(struct scan_node *node, const struct co_event *event)
         scan_tell(node, EV_CAN, EV_PDO_LENGTH_EXCEEDED, event->index);
 }
 
+static void note_written(struct scan_node *node, const struct co_event *event)
+{
+    const struct od_entry *entry = od_find(&node->od, event->index, event->sub);
+
+    if (entry && scan_is_text(entry->type))
+        scan_end_text(entry);
+    scan_tell(node, EV_WRITE_DICTIONARY, event->index, event->sub);
+}
+
 static void note_confirmed(struct scan_node *node, const struct co_event *event)
 {
     struct scan_pdo *pdo = scan_pdo(node, true, event->index);
@@ -61,7 +70,7 @@ void scan_on_node_event(void *context, struct network *network, const struct co_
 
     switch (event->type) {
     case SLAVE_STATE: tell_state(node, event); break;
-    case SLAVE_WRITTEN: scan_tell(node, EV_WRITE_DICTIONARY, event->index, event->sub); break;
+    case SLAVE_WRITTEN: note_written(node, event); break;
     case SLAVE_EMERGENCY: node->last_error = (int)event->code; break;
     case SLAVE_VERDICT: scan_on_verdict(node, event, network_time(network)); break;
     case SLAVE_VERDICT_LATE:

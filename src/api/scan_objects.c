@@ -10,8 +10,6 @@
 #define MAX_INHIBIT    6553u /* ms; more does not fit into 1015h */
 #define COB_ID_INVALID 0x80000000u
 #define FRAME_29_BIT   0x20000000u
-#define CAN_ID_11      0x7FFu
-#define CAN_ID_29      0x1FFFFFFFu
 #define STORE_GROUPS   4u
 #define GUARD_CAN_ID   0x700u
 
@@ -202,11 +200,9 @@ static void make_behaviour(struct maker *self)
 
 static bool is_can_id(unsigned long cob_id, unsigned long flags)
 {
-    const uint32_t id = (uint32_t)(cob_id & ~flags & ~FRAME_29_BIT);
+    const struct od nothing = { .count = 0 };
 
-    if (cob_id > UINT32_MAX)
-        return false;
-    return id <= (cob_id & FRAME_29_BIT ? CAN_ID_29 : CAN_ID_11) && id != 0;
+    return cob_id <= UINT32_MAX && slave_may_use(&nothing, (uint32_t)(cob_id & ~flags), true);
 }
 
 static bool is_list_good(const SLAVE_NODE_INFO *info)
@@ -259,7 +255,8 @@ static bool are_ids_good(const SLAVE_NODE_INFO *info)
         return false;
     if ((options & SYNC_GENERATION) && info->ulCyclePeriod > UINT32_MAX)
         return false;
-    if (info->ulEmcyCobId != DEFAULT_EMCY_COBID && !is_can_id(info->ulEmcyCobId, COB_ID_INVALID))
+    if (info->ulEmcyCobId != DEFAULT_EMCY_COBID &&
+        ((info->ulEmcyCobId & FRAME_29_BIT) || !is_can_id(info->ulEmcyCobId, 0)))
         return false;
     return info->usEmcyInhibit <= MAX_INHIBIT;
 }

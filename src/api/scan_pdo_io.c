@@ -35,21 +35,50 @@ static int wait_confirmed(struct scan_node *node, struct scan_pdo *pdo, unsigned
     return SCANOPEN_OK;
 }
 
-int scan_wait_sent(struct scan_node *node, const struct od_entry *entry, int result)
+/* It is mapped by the n-th TPDO, which is sent when it changes. */
+static bool is_notified(const struct scan_node *node, uint16_t number, const struct od_entry *entry)
 {
-    if (result != SCANOPEN_OK || callback_running() || node->held)
-        return result;
-    for (uint16_t i = 1; i <= node->tpdo_count && node->active; i++) {
-        struct scan_pdo *pdo = &node->tpdos[i - 1];
+    const uint16_t mapping = (uint16_t)(0x1A00u + number - 1);
+    const uint64_t count = od_number(&node->od, mapping, 0, 0);
+    const uint64_t type = od_number(&node->od, (uint16_t)(mapping - 0x200u), 2, 0);
 
-        if (!(pdo->mode & TX_DONE_PDO) || !(pdo->mode & AUTO_NOTIFY_PDO) ||
-            !pdo_map_contains(&slave_tpdo(&node->slave, i)->map, entry))
-            continue;
-        result = wait_confirmed(node, pdo, pdo->confirmed);
-        if (result != SCANOPEN_OK)
-            return result;
-    }
-    return SCANOPEN_OK;
+    if (!(node->tpdos[number - 1].mode & AUTO_NOTIFY_PDO) || type < TPDO_EVENT)
+        return false;
+    for (unsigned sub = 1; sub <= count; sub++)
+        if (od_number(&node->od, mapping, (uint8_t)sub, 0) >> 8 ==
+            ((uint32_t)entry->index << 8 | entry->sub))
+            return true;
+    return false;
+}
+
+bool scan_is_sent(const struct scan_node *node, const struct od_entry *entry)
+{
+    for (uint16_t i = 1; i <= node->tpdo_count && entry->map_count > 0; i++)
+        if (is_notified(node, i, entry))
+            return true;
+    return false;
+}
+
+struct scan_sending scan_begin_sending(const struct scan_node *node, const struct od_entry *entry)
+{
+    struct scan_sending sending = { .number = 0 };
+
+    if (entry->map_count == 0 || !node->active || node->held || callback_running() ||
+        !slave_wants_own_frames(&node->slave))
+        return sending;
+    for (uint16_t i = 1; i <= node->tpdo_count; i++)
+        if ((node->tpdos[i - 1].mode & TX_DONE_PDO) && is_notified(node, i, entry))
+            sending = (struct scan_sending){ .number = i, .before = node->tpdos[i - 1].confirmed };
+    return sending;
+}
+
+int scan_wait_sent(struct scan_node *node, const struct scan_sending *sending, int result)
+{
+    struct scan_pdo *pdo = scan_pdo(node, true, sending->number);
+
+    if (result != SCANOPEN_OK || !pdo)
+        return result;
+    return wait_confirmed(node, pdo, sending->before);
 }
 
 /* All of it, or nothing: a value that its entry does not allow changes none. */
@@ -112,88 +141,138 @@ int canOpenWritePDO(HPDO Hpdo, const void *buffer)
 
 /* ---- receiving ---- */
 
-/* Until data has come that was not there before; the PDO may go away meanwhile. */
-static int wait_received(struct scan_node *node, uint16_t number, co_us_t limit,
-                         const struct rpdo *before)
+/* A call that waits for data. */
+struct reception {
+    uint16_t number;
+    void *buffer;   /* NULL: the handlers get the data */
+    bool asks;      /* by a remote frame */
+    unsigned asked; /* rpdo.asked, received and errors when it began */
+    unsigned received, errors;
+    co_us_t asked_limit; /* for the remote frame to be on the bus */
+    co_us_t limit;
+};
+
+static bool is_asking(const struct reception *self, const struct rpdo *rpdo)
 {
-    enum co_err err = CO_OK;
-
-    for (;;) {
-        const struct rpdo *rpdo = node->active ? slave_rpdo(&node->slave, number) : NULL;
-
-        if (err == CO_ERR_STATE)
-            return SCANOPEN_INVALID_HANDLE;
-        if (!rpdo || scan_node_state(node) != NodeOperational)
-            return SCANOPEN_WRONG_NODESTATE;
-        if (rpdo->received != before->received)
-            return SCANOPEN_OK;
-        if (rpdo->errors != before->errors)
-            return SCANOPEN_LENGTH_MISMATCH;
-        if (err == CO_ERR_TIMEOUT)
-            return SCANOPEN_RX_TIMEOUT;
-        err = network_wait(node->net->network, node->id, limit);
-    }
+    return self->asks && rpdo->asked == self->asked;
 }
 
-/* Who waits takes the data instead of the handlers, or lets them be called. */
-static int read_pdo(struct scan_node *node, uint16_t number, void *buffer, co_us_t limit)
+/* SCANOPEN_OK, or why nothing comes any more; 1: not yet. */
+static int look(const struct scan_node *node, const struct reception *self, enum co_err err,
+                co_us_t *ret_limit)
 {
-    struct scan_pdo *pdo = scan_pdo(node, false, number);
-    struct rpdo *rpdo = slave_rpdo(&node->slave, number);
-    const struct rpdo before = *rpdo;
-    int result;
+    const struct rpdo *rpdo = node->active ? slave_rpdo(&node->slave, self->number) : NULL;
 
-    rpdo->waiters++;
-    pdo->takers += buffer != NULL;
-    pdo->callers += buffer == NULL;
-    result = wait_received(node, number, limit, &before);
-    pdo->takers -= buffer != NULL;
-    pdo->callers -= buffer == NULL;
-    rpdo = node->active ? slave_rpdo(&node->slave, number) : NULL;
-    if (rpdo && rpdo->waiters > 0)
-        rpdo->waiters--;
-    if (result == SCANOPEN_OK && buffer)
-        memcpy(buffer, rpdo->data, sizeof rpdo->data);
+    if (err == CO_ERR_STATE)
+        return SCANOPEN_INVALID_HANDLE;
+    if (!rpdo || scan_node_state(node) != NodeOperational)
+        return SCANOPEN_WRONG_NODESTATE;
+    if (rpdo->received != self->received)
+        return SCANOPEN_OK;
+    if (rpdo->errors != self->errors)
+        return SCANOPEN_LENGTH_MISMATCH;
+    if (err == CO_ERR_TIMEOUT)
+        return is_asking(self, rpdo) ? SCANOPEN_TX_TIMEOUT : SCANOPEN_RX_TIMEOUT;
+    *ret_limit = is_asking(self, rpdo) ? self->asked_limit : self->limit;
+    return 1;
+}
+
+/* The PDO may go away meanwhile. */
+static int wait_received(struct scan_node *node, const struct reception *self)
+{
+    co_us_t limit = self->limit;
+    enum co_err err = CO_OK;
+    int result = look(node, self, err, &limit);
+
+    while (result > 0) {
+        err = network_wait(node->net->network, node->id, limit);
+        result = look(node, self, err, &limit);
+    }
     return result;
 }
 
-static int check_readable(const struct scan_node *node, uint16_t number)
+static int ask(struct scan_node *node, const struct reception *self, co_us_t now,
+               struct co_outbox *out)
+{
+    if (!self->asks)
+        return SCANOPEN_OK;
+    slave_expect_request(&node->slave, self->number, true);
+    return slave_rpdo_request(&node->slave, self->number, now, out) == CO_OK
+               ? SCANOPEN_OK
+               : SCANOPEN_SERVICE_NOT_ALLOWED; /* nothing is mapped */
+}
+
+/* Who waits takes the data instead of the handlers, or lets them be called. */
+static void count_waiting(struct scan_node *node, const struct reception *self, bool begin)
+{
+    struct scan_pdo *pdo = scan_pdo(node, false, self->number);
+    struct rpdo *rpdo = node->active ? slave_rpdo(&node->slave, self->number) : NULL;
+    unsigned *const count = self->buffer ? &pdo->takers : &pdo->callers;
+
+    *count = begin ? *count + 1 : *count - 1;
+    if (rpdo && begin)
+        rpdo->waiters++;
+    else if (rpdo && rpdo->waiters > 0) /* it may have been made anew */
+        rpdo->waiters--;
+    if (rpdo && !begin && self->asks)
+        slave_expect_request(&node->slave, self->number, false);
+}
+
+static int read_pdo(struct scan_node *node, struct reception *self, co_us_t now,
+                    struct co_outbox *out)
+{
+    const struct scan_pdo *pdo = scan_pdo(node, false, self->number);
+    const struct rpdo *rpdo = slave_rpdo(&node->slave, self->number);
+    int result;
+
+    self->asked = rpdo->asked;
+    self->received = rpdo->received;
+    self->errors = rpdo->errors;
+    self->limit = now + CO_MS(pdo->rx_timeout);
+    self->asked_limit = pdo->tx_timeout ? now + CO_MS(pdo->tx_timeout) : CO_NEVER;
+    count_waiting(node, self, true);
+    result = ask(node, self, now, out);
+    if (result == SCANOPEN_OK)
+        result = wait_received(node, self);
+    count_waiting(node, self, false);
+    if (result == SCANOPEN_OK && self->buffer) {
+        rpdo = slave_rpdo(&node->slave, self->number);
+        memcpy(self->buffer, rpdo->data, rpdo->dlc);
+    }
+    return result;
+}
+
+static int check_readable(const struct scan_node *node, const struct reception *self)
 {
     const struct rpdo *rpdo;
 
     if (scan_node_state(node) != NodeOperational)
         return SCANOPEN_WRONG_NODESTATE;
-    rpdo = slave_rpdo(&node->slave, number);
-    return rpdo && rpdo_is_valid(rpdo) ? SCANOPEN_OK : SCANOPEN_SERVICE_NOT_ALLOWED;
+    rpdo = slave_rpdo(&node->slave, self->number);
+    if (!rpdo || !rpdo_is_valid(rpdo))
+        return SCANOPEN_SERVICE_NOT_ALLOWED;
+    return self->asks && !scan_pdo(node, false, self->number)->requests
+               ? SCANOPEN_SERVICE_NOT_ALLOWED
+               : SCANOPEN_OK;
 }
 
-static co_us_t rx_limit(const struct scan_node *node, uint16_t number, co_us_t now)
-{
-    return now + CO_MS(scan_pdo(node, false, number)->rx_timeout);
-}
-
-static int receive(HPDO handle, void *buffer,
-                   int (*begin)(struct scan_node *node, uint16_t number, co_us_t now,
-                                struct co_outbox *out))
+static int receive(HPDO handle, struct reception *self)
 {
     struct co_outbox *out;
     struct scan_node *node;
-    uint16_t number;
     bool transmit;
     co_us_t now;
     int result = SCANOPEN_SERVICE_NOT_ALLOWED;
 
     if (callback_running())
         return result;
-    result = scan_enter_pdo(handle, &node, &transmit, &number);
+    result = scan_enter_pdo(handle, &node, &transmit, &self->number);
     if (result != SCANOPEN_OK)
         return result;
     out = scan_lock(node, &now);
-    result = transmit ? SCANOPEN_SERVICE_NOT_ALLOWED : check_readable(node, number);
-    if (result == SCANOPEN_OK && begin)
-        result = begin(node, number, now, out);
+    result = transmit ? SCANOPEN_SERVICE_NOT_ALLOWED : check_readable(node, self);
     if (result == SCANOPEN_OK)
-        result = read_pdo(node, number, buffer, rx_limit(node, number, now));
+        result = read_pdo(node, self, now, out);
     scan_unlock(node);
     scan_leave(node);
     return result;
@@ -201,21 +280,14 @@ static int receive(HPDO handle, void *buffer,
 
 int canOpenReadPDO(HPDO Hpdo, void *buffer)
 {
-    return receive(Hpdo, buffer, NULL);
-}
+    struct reception reception = { .buffer = buffer };
 
-static int request(struct scan_node *node, uint16_t number, co_us_t now, struct co_outbox *out)
-{
-    const struct scan_pdo *pdo = scan_pdo(node, false, number);
-
-    if (!pdo->requests)
-        return SCANOPEN_SERVICE_NOT_ALLOWED;
-    if (slave_rpdo_request(&node->slave, number, now, out) != CO_OK)
-        return SCANOPEN_TX_TIMEOUT;
-    return SCANOPEN_OK;
+    return receive(Hpdo, &reception);
 }
 
 int canOpenRequestPDO(HPDO Hpdo, void *buffer)
 {
-    return receive(Hpdo, buffer, request);
+    struct reception reception = { .buffer = buffer, .asks = true };
+
+    return receive(Hpdo, &reception);
 }

@@ -81,6 +81,13 @@ void scan_data_from(uint8_t type, uint8_t *bytes, uint32_t size, union scan_data
         scan_number_from(type, bytes, &ret_data->number);
 }
 
+void scan_end_text(const struct od_entry *entry)
+{
+    if (entry->referred && entry->access != OD_RO && entry->access != OD_NONE &&
+        entry->size < entry->capacity)
+        entry->value[entry->size] = 0;
+}
+
 void scan_field_bytes(const struct pdo_field *field, const uint8_t data[8], uint8_t ret_bytes[8])
 {
     const uint64_t mask = UINT64_MAX >> (64 - field->bits);

@@ -32,9 +32,11 @@ struct rpdo {
     uint32_t cob_id; /* object 14xxh:01; bit 31: not valid */
     uint16_t number; /* 1..512 */
     uint8_t type;
-    bool notify;         /* the owner's: PROTO_RPDO with all data taken over */
-    bool running;        /* NMT state operational */
-    unsigned waiters;    /* the owner's: who waits for data; > 0 is as notify */
+    bool notify;      /* the owner's: PROTO_RPDO with all data taken over */
+    bool running;     /* NMT state operational */
+    unsigned waiters; /* the owner's: who waits for data; > 0 is as notify */
+    unsigned askers;  /* the owner's: who waits for a remote frame of it to be sent */
+    unsigned asked;   /* remote frames of it that were on the bus, as far as one was waited for */
     uint32_t generation; /* of the mapping */
     struct pdo_map map;
 

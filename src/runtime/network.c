@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define RX_BURST 64u /* frames handled before the lock is given once */
+#define RX_BURST   64u   /* frames handled before the lock is given once */
+#define BURSTS_MAX 2048u /* more than a bus can hold */
 
 /* --- devices --- */
 
@@ -59,7 +60,7 @@ static void deliver(struct network *self, const struct bus_rx *rx)
     bool sent_here = (frame.flags & CO_FRAME_OWN) != 0;
 
     for (unsigned i = 0; i < self->device_count; i++) {
-        const struct device *device = &self->devices[i];
+        struct device *device = &self->devices[i];
 
         frame.flags = (uint8_t)(rx->frame.flags & ~CO_FRAME_OWN);
         if (sent_here && frame.tag == device->node)
@@ -91,7 +92,7 @@ static bool receive_burst(struct network *self)
 static void run_due(struct network *self, co_us_t now)
 {
     for (unsigned i = 0; i < self->device_count; i++) {
-        const struct device *device = &self->devices[i];
+        struct device *device = &self->devices[i];
 
         if (device_deadline(device) > now)
             continue;
@@ -164,21 +165,6 @@ static void *run(void *context)
 
 /* --- opening and closing --- */
 
-/* What devices listen to: NMT, emergencies (and SYNC), SDO both ways, error control with the
- * requests of guarding. */
-static enum co_err set_filters(struct network *self)
-{
-    static const struct bus_filter filters[] = {
-        { 0x000, 0x7FF, 0, CO_FRAME_EXT | CO_FRAME_RTR },
-        { 0x080, 0x780, 0, CO_FRAME_EXT | CO_FRAME_RTR },
-        { 0x580, 0x780, 0, CO_FRAME_EXT | CO_FRAME_RTR },
-        { 0x600, 0x780, 0, CO_FRAME_EXT | CO_FRAME_RTR },
-        { 0x700, 0x780, 0, CO_FRAME_EXT },
-    };
-
-    return bus_set_filters(self->bus, filters, sizeof filters / sizeof filters[0]);
-}
-
 static enum co_err open_bus(struct network *self, char *message, size_t message_size)
 {
     struct bus_options options = { .own_frames = true, .bitrate = self->options.bitrate };
@@ -189,7 +175,7 @@ static enum co_err open_bus(struct network *self, char *message, size_t message_
     else
         err = bus_open(self->options.bus, &options, &self->bus, message, message_size);
     if (err == CO_OK)
-        err = set_filters(self);
+        err = network_listen(self);
     return err;
 }
 
@@ -268,12 +254,23 @@ enum co_err network_add(struct network *self, uint8_t node, network_sink_fn sink
 
 void network_set_slave(struct network *self, uint8_t node, struct slave *slave)
 {
-    network_device(self, node)->slave = slave;
+    struct device *device = network_device(self, node);
+
+    if (slave) /* what is on its way was not meant for it */
+        for (unsigned i = 0; i < BURSTS_MAX && receive_burst(self); i++)
+            continue;
+    device->slave = slave;
+    if (slave) {
+        device->listen_seen = slave->listen_generation;
+        device->sync_seen = slave->sync_generation - 1; /* it is new to us */
+    }
+    network_forget(self, device);
 }
 
 void network_set_manager(struct network *self, uint8_t node, struct manager *manager)
 {
     network_device(self, node)->manager = manager;
+    network_listen(self);
 }
 
 enum co_err network_add_slave(struct network *self, struct slave *slave)
@@ -310,6 +307,9 @@ void network_remove(struct network *self, uint8_t node)
 
     lock_take(&self->lock);
     device = network_device(self, node);
+    device->slave = NULL;
+    device->manager = NULL;
+    network_forget(self, device);
     *device = self->devices[--self->device_count];
     lock_give(&self->lock);
 }
@@ -407,8 +407,8 @@ void network_poke(struct network *self)
 static bool send_out(struct network *self, uint8_t node)
 {
     const co_us_t now = self->now;
-    const struct device nobody = { .node = node };
-    const struct device *device = network_device(self, node);
+    struct device nobody = { .node = node };
+    struct device *device = network_device(self, node);
 
     network_drain(self, device ? device : &nobody, now);
     network_flush(self, now);

@@ -16,6 +16,7 @@ struct device {
     bool retired;        /* nobody waits on it any more */
     struct slave *slave; /* one of these two, or none */
     struct manager *manager;
+    unsigned listen_seen, sync_seen; /* of the slave: what was done about them */
     network_sink_fn sink;
     void *context;
 };
@@ -28,6 +29,7 @@ struct network {
     struct network_options options;
     struct device devices[NMT_NODE_MAX + 1];
     unsigned device_count;
+    uint8_t cyclic_node; /* for this one the kernel sends SYNC; 0: for none */
     bool closing;
     struct co_outbox out; /* of the device being run */
     struct co_frame out_frames[OUT_FRAMES];
@@ -55,8 +57,16 @@ struct device *network_device(struct network *self, uint8_t node);
 /* To the network's sink. */
 void network_tell(struct network *self, struct co_event event);
 /* Sends what this device has put out, and tells its events. */
-void network_drain(struct network *self, const struct device *device, co_us_t now);
+void network_drain(struct network *self, struct device *device, co_us_t now);
 /* Sends what waits, looks at the bus, and tells what is to be told. */
 void network_flush(struct network *self, co_us_t now);
+
+/* network_listen.c */
+/* The bus lets through what the devices listen to. */
+enum co_err network_listen(struct network *self);
+/* What the device has put out may depend on other frames coming in, or on another SYNC. */
+void network_follow(struct network *self, struct device *device);
+/* Its slave or manager is gone. */
+void network_forget(struct network *self, struct device *device);
 
 #endif

@@ -42,11 +42,12 @@ static void put_frame(struct network *self, const struct co_frame *frame, co_us_
 }
 
 /* Takes what a device has put out; a full queue costs frames, with a count, never time. */
-void network_drain(struct network *self, const struct device *device, co_us_t now)
+void network_drain(struct network *self, struct device *device, co_us_t now)
 {
     struct co_frame frame;
     struct co_event event;
 
+    network_follow(self, device);
     while (co_outbox_take_frame(&self->out, &frame)) {
         frame.tag = device->node;
         put_frame(self, &frame, now);

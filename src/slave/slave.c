@@ -19,7 +19,8 @@ static void put_state_event(struct slave *self, struct co_outbox *out)
 {
     const struct co_event event = { .type = SLAVE_STATE,
                                     .node = self->node,
-                                    .detail = self->state };
+                                    .detail = self->state,
+                                    .sub = self->boot_up_due ? self->reset_by : 0 };
 
     co_outbox_put_event(out, &event);
     self->told_state = self->state;
@@ -57,8 +58,8 @@ static void finish_boot_up(struct slave *self, co_us_t now, struct co_outbox *ou
 
     if (!self->boot_up_due || !co_outbox_room(out, 1, 2))
         return;
-    self->boot_up_due = false;
     put_state_event(self, out);
+    self->boot_up_due = false;
     co_outbox_put_frame(out, &frame);
     hb_producer_start(&self->heartbeat, slave_heartbeat_period(self), false, now);
     slave_enter_state(self, NMT_PREOPERATIONAL, now, out);
@@ -79,9 +80,11 @@ static void boot_up(struct slave *self, co_us_t now, struct co_outbox *out)
     finish_boot_up(self, now, out);
 }
 
-static void reset(struct slave *self, bool application, co_us_t now, struct co_outbox *out)
+/* command: NMT_RESET_NODE, NMT_RESET_COMMUNICATION. */
+static void reset(struct slave *self, enum nmt_command command, co_us_t now, struct co_outbox *out)
 {
-    slave_reset_objects(self, application);
+    self->reset_by = (uint8_t)command;
+    slave_reset_objects(self, command == NMT_RESET_NODE);
     boot_up(self, now, out);
 }
 
@@ -165,11 +168,13 @@ void slave_done(struct slave *self)
 
 void slave_start(struct slave *self, co_us_t now, struct co_outbox *out)
 {
-    reset(self, true, now, out);
+    slave_reset_objects(self, true);
+    slave_switch_on(self, now, out);
 }
 
 void slave_switch_on(struct slave *self, co_us_t now, struct co_outbox *out)
 {
+    self->reset_by = 0;
     boot_up(self, now, out);
 }
 
@@ -179,7 +184,7 @@ void slave_command(struct slave *self, enum nmt_command command, co_us_t now, st
     const bool is_reset = command == NMT_RESET_NODE || command == NMT_RESET_COMMUNICATION;
 
     if (is_reset && (is_on(self) || self->boot_up_due))
-        reset(self, command == NMT_RESET_NODE, now, out);
+        reset(self, command, now, out);
     else if (!is_reset && next != self->state)
         slave_enter_state(self, next, now, out);
 }

@@ -33,9 +33,13 @@
 #include "slave/slave_pdo.h"
 
 enum slave_event {
-    SLAVE_STATE = 100, /* node, detail: the NMT state entered; NMT_INITIALISING with each reset */
-    SLAVE_WRITTEN,     /* node, index, sub: a client has written an entry, actual: its number */
-    SLAVE_EMERGENCY,   /* node, code, detail (1001h), data: it has raised an emergency */
+    /*
+     * node, detail: the NMT state entered; NMT_INITIALISING with each reset, and then sub: by which
+     * NMT command, 0 when it is switched on.
+     */
+    SLAVE_STATE = 100,
+    SLAVE_WRITTEN,   /* node, index, sub: a client has written an entry, actual: its number */
+    SLAVE_EMERGENCY, /* node, code, detail (1001h), data: it has raised an emergency */
     /*
      * A client has sent a value for an entry that is watched; the server waits for slave_verdict()
      * and sdo_server_value() has the bytes.
@@ -55,6 +59,7 @@ enum slave_event {
      */
     SLAVE_RPDO,
     SLAVE_TPDO_WANTED,    /* node, index (number), code: for slave_tpdo_answer() */
+    SLAVE_RPDO_ASKED,     /* node, index (number): a remote frame of its own for it is on the bus */
     SLAVE_TPDO_CONFIRMED, /* node, index (number): its frame is on the bus */
     /*
      * An RPDO was not processed, or has not come in time; an emergency as well, and once until it
@@ -77,6 +82,7 @@ struct slave {
     uint8_t state;      /* enum nmt_state */
     uint8_t told_state; /* by the last SLAVE_STATE */
     bool boot_up_due;   /* initialising; goes on when the outbox has room */
+    uint8_t reset_by;   /* ... because of this NMT command; 0: switched on */
     struct od *od;
     struct sdo_server server;
     uint8_t *buffer; /* of the SDO server */

@@ -273,6 +273,16 @@ enum co_err slave_rpdo_request(struct slave *self, uint16_t number, co_us_t now,
     return CO_OK;
 }
 
+void slave_expect_request(struct slave *self, uint16_t number, bool expect)
+{
+    struct rpdo *rpdo = slave_rpdo(self, number);
+
+    if (rpdo == NULL || (!expect && rpdo->askers == 0))
+        return;
+    rpdo->askers = expect ? rpdo->askers + 1 : rpdo->askers - 1;
+    self->listen_generation++;
+}
+
 /* ---- all of them ---- */
 
 /* Data that is to go out goes before other data is taken over. */
@@ -375,6 +385,24 @@ static void hear_tpdo(struct slave *self, struct tpdo *tpdo, const struct co_fra
     slave_step_tpdo(self, tpdo, now, out);
 }
 
+/* Data, or the device's own request for it. */
+static void hear_rpdo(struct slave *self, struct rpdo *rpdo, const struct co_frame *frame,
+                      co_us_t now, struct co_outbox *out)
+{
+    const unsigned kind = frame->flags & (CO_FRAME_OWN | CO_FRAME_RTR);
+    const struct co_event event = { .type = SLAVE_RPDO_ASKED,
+                                    .node = self->node,
+                                    .index = rpdo->number };
+
+    if (kind == 0)
+        receive_rpdo(self, rpdo, frame, now, out);
+    if (kind != (CO_FRAME_OWN | CO_FRAME_RTR) || rpdo->askers == 0)
+        return;
+    rpdo->asked++;
+    if (co_outbox_room(out, 0, 1))
+        co_outbox_put_event(out, &event);
+}
+
 void slave_hear_pdo(struct slave *self, const struct co_frame *frame, co_us_t now,
                     struct co_outbox *out)
 {
@@ -386,9 +414,8 @@ void slave_hear_pdo(struct slave *self, const struct co_frame *frame, co_us_t no
         struct rpdo *rpdo = slot <= pdos->rpdo_count ? &pdos->rpdos[slot - 1] : NULL;
         struct tpdo *tpdo = rpdo == NULL ? &pdos->tpdos[slot - 1 - pdos->rpdo_count] : NULL;
 
-        if (rpdo != NULL && slave_can_id(rpdo->cob_id) == can_id &&
-            (frame->flags & (CO_FRAME_OWN | CO_FRAME_RTR)) == 0)
-            receive_rpdo(self, rpdo, frame, now, out);
+        if (rpdo != NULL && slave_can_id(rpdo->cob_id) == can_id)
+            hear_rpdo(self, rpdo, frame, now, out);
         else if (tpdo != NULL && slave_can_id(tpdo->cob_id) == can_id)
             hear_tpdo(self, tpdo, frame, now, out);
     }
@@ -421,14 +448,30 @@ static bool is_shared(const struct slave_pdos *pdos, unsigned i)
     return slot - 1 < i;
 }
 
+static void list_rpdo(const struct slave_pdos *pdos, unsigned i, struct list *list)
+{
+    const struct rpdo *rpdo = &pdos->rpdos[i];
+
+    if (!rpdo_is_valid(rpdo))
+        return;
+    if (!is_shared(pdos, i))
+        add_filter(list, slave_can_id(rpdo->cob_id), false);
+    if (rpdo->askers > 0) /* its own requests */
+        add_filter(list, slave_can_id(rpdo->cob_id), true);
+}
+
 static void list_pdos(const struct slave_pdos *pdos, struct list *list)
 {
     for (unsigned i = 0; i < pdos->rpdo_count; i++)
-        if (rpdo_is_valid(&pdos->rpdos[i]) && !is_shared(pdos, i))
-            add_filter(list, slave_can_id(pdos->rpdos[i].cob_id), false);
-    for (unsigned i = 0; i < pdos->tpdo_count; i++)
-        if ((pdos->tpdos[i].cob_id & (COB_ID_INVALID | COB_ID_BIT30)) == 0)
-            add_filter(list, slave_can_id(pdos->tpdos[i].cob_id), true);
+        list_rpdo(pdos, i, list);
+    for (unsigned i = 0; i < pdos->tpdo_count; i++) {
+        const struct tpdo *tpdo = &pdos->tpdos[i];
+
+        if ((tpdo->cob_id & (COB_ID_INVALID | COB_ID_BIT30)) == 0)
+            add_filter(list, slave_can_id(tpdo->cob_id), true);
+        if ((tpdo->cob_id & COB_ID_INVALID) == 0 && tpdo->confirm) /* its own */
+            add_filter(list, slave_can_id(tpdo->cob_id), false);
+    }
 }
 
 unsigned slave_listens(const struct slave *self, struct slave_filter *ret_filters, unsigned max)

@@ -81,6 +81,12 @@ void slave_tpdo_answer(struct slave *self, uint16_t number, uint32_t ask, co_us_
 enum co_err slave_rpdo_request(struct slave *self, uint16_t number, co_us_t now,
                                struct co_outbox *out);
 
+/*
+ * Somebody waits for such a frame to be on the bus, or does no more: rpdo.asked counts it, with a
+ * SLAVE_RPDO_ASKED where there is room for one.
+ */
+void slave_expect_request(struct slave *self, uint16_t number, bool expect);
+
 /* A frame that the device wants to hear. */
 struct slave_filter {
     uint32_t id;
@@ -93,6 +99,9 @@ struct slave_filter {
  * are. The list may have changed when slave.listen_generation has.
  */
 unsigned slave_listens(const struct slave *self, struct slave_filter *ret_filters, unsigned max);
+
+/* Some TPDO has SLAVE_PDO_CONFIRM, or a request is expected. */
+bool slave_wants_own_frames(const struct slave *self);
 
 /*
  * How SYNC is to be sent. Whoever sends it instead of the device starts anew, with counter 1, when

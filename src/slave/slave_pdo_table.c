@@ -173,7 +173,19 @@ void slave_pdo_set_flags(struct slave *self, enum pdo_direction direction, uint1
         tpdo->notify = (flags & SLAVE_PDO_NOTIFY) != 0;
         tpdo->confirm = (flags & SLAVE_PDO_CONFIRM) != 0;
         tpdo->timer_asks = (flags & SLAVE_PDO_TIMER_ASKS) != 0;
+        self->listen_generation++;
     }
+}
+
+bool slave_wants_own_frames(const struct slave *self)
+{
+    for (unsigned i = 0; i < self->pdos->rpdo_count; i++)
+        if (self->pdos->rpdos[i].askers > 0)
+            return true;
+    for (unsigned i = 0; i < self->pdos->tpdo_count; i++)
+        if (self->pdos->tpdos[i].confirm)
+            return true;
+    return false;
 }
 
 /* ---- by CAN-ID ---- */

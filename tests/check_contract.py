@@ -35,13 +35,18 @@ class Sources:
         return self.texts[program]
 
     def uses(self, program, word):
-        text = self.text(program)
-        texts = [text] + [self.helper(h) for h in re.findall(r'"support/(scan_\w+)\.h"', text)]
+        texts = [self.text(program)] + self.helpers(self.text(program), set())
         return any(re.search(rf"\b{word}\b", t) for t in texts)
 
-    def helper(self, name):
-        path = self.root / "tests" / "support" / f"{name}.c"
-        return path.read_text(encoding="utf-8") if path.exists() else ""
+    def helpers(self, text, known):
+        """The texts of what is included from tests/support, and of what that includes."""
+        texts = []
+        for name in set(re.findall(r'"support/(\w+)\.h"', text)) - known:
+            known.add(name)
+            paths = (self.root / "tests" / "support" / f"{name}.{end}" for end in "hc")
+            own = [p.read_text(encoding="utf-8") for p in paths if p.exists()]
+            texts += own + [h for t in own for h in self.helpers(t, known)]
+        return texts
 
 
 def check_test(row, sources):

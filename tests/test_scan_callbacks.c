@@ -173,7 +173,7 @@ static void add_objects(void)
 
     scan_number(node, 0x2000, TYP_UINT8, WRITE_ACCESS | MAPPABLE, 1, on_data);
     scan_number(node, 0x2001, TYP_UINT8, READ_ACCESS | MAPPABLE, 1, on_data);
-    scan_number(node, 0x2003, TYP_UINT8, READ_ACCESS | MAPPABLE, 1, NULL);
+    scan_number(node, 0x2003, TYP_UINT8, READ_ACCESS | MAPPABLE | MULTI_MAP, 1, NULL);
     ck_assert_int_eq(canOpenExtendDictionary(node, 0x2002, 0, OBJ_VAR, MAP_UINT8), SCANOPEN_OK);
     ck_assert_int_eq(
         canOpenInitDictionaryTs(node, 0x2002, 0, NULL, WRITE_ACCESS, &data, on_data_ts),
@@ -201,7 +201,7 @@ static void set_up(void)
     add_objects();
     rx = define(DEFAULT_PDO1, RECEIVE_PDO | AUTO_NOTIFY_PDO | 255, output);
     tx = define(DEFAULT_PDO1, TRANSMIT_PDO | 255, other);
-    tx_done = define(DEFAULT_PDO2, TRANSMIT_PDO | TX_DONE_PDO | 255, NULL);
+    tx_done = define(DEFAULT_PDO2, TRANSMIT_PDO | TX_DONE_PDO | 255, other);
     define(DEFAULT_PDO3, TRANSMIT_PDO | 1, input);
     ck_assert_int_eq(canOpenActivateNode(node), SCANOPEN_OK);
 }

@@ -126,7 +126,7 @@ static int on_text(int net, int id, int index, int sub, void *data)
 
 START_TEST(a_handler_of_a_string)
 {
-    static char memory[8] = "old"; /* it must stay as long as the node */
+    static char memory[8] = "old"; /* the entry keeps it */
     char *now = NULL;
     DictionaryData data = { .visstring = { memory, sizeof memory, 3 } };
 
@@ -209,6 +209,34 @@ START_TEST(a_handler_that_blocks)
     pthread_mutex_unlock(&gate);
     ck_assert_uint_eq(scan_sdo_write(plant, 5, 0x2000, 0, 1, 8), 0);
     ck_assert_uint_eq(scan_get(node, 0x2000, 0), 8);
+}
+END_TEST
+
+/* One is with the handler, two wait, two are lost. */
+START_TEST(more_pdos_than_the_queue_holds)
+{
+    const uint16_t mapping[] = { 0x2000, 0, 0, 0 };
+    SLAVE_NODE_INFO info = scan_info();
+    char event[SCAN_NOTE_SIZE];
+
+    ck_assert_int_eq(canOpenDeleteNode(node), SCANOPEN_OK);
+    info.usPdoRxQueusize = 2;
+    ck_assert_uint_eq(info.usPdoRxQueueSize, 2);
+    node = scan_node(plant, 5, &info);
+    scan_number(node, 0x2000, TYP_UINT8, BOTH | MAPPABLE, 1, on_blocked);
+    define(DEFAULT_PDO1, RECEIVE_PDO | AUTO_NOTIFY_PDO | 255, 0, mapping);
+    go();
+    pthread_mutex_lock(&gate);
+    scan_send(plant, "205#01");
+    scan_await_note("0/5 2000:00 blocked 1");
+    for (unsigned i = 0; i < 4; i++)
+        scan_send(plant, "205#02");
+    scan_expect_nothing_more(plant, node);
+    pthread_mutex_unlock(&gate);
+    snprintf(event, sizeof event, "event 0/5 CAN %d 2", EV_PDO_FIFO_OVERRUN);
+    scan_await_note(event);
+    scan_await(plant, "085#0081110002010200"); /* 8100h, EMCY_STICKY_FIFO_OVERRUN */
+    ck_assert_uint_eq(EMCY_MESSAGE_LOST, 0x8100);
 }
 END_TEST
 
@@ -423,6 +451,7 @@ static void add_tests(TCase *tcase)
     tcase_add_test(tcase, a_handler_of_a_string);
     tcase_add_test(tcase, a_handler_of_a_time);
     tcase_add_test(tcase, a_handler_that_blocks);
+    tcase_add_test(tcase, more_pdos_than_the_queue_holds);
     tcase_add_test(tcase, a_client_that_aborts_meanwhile);
     tcase_add_test(tcase, a_node_that_is_reset_while_its_handler_runs);
     tcase_add_test(tcase, a_node_that_is_deleted_while_its_handler_runs);

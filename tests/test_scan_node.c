@@ -26,13 +26,14 @@ static void tear_down(void)
 
 START_TEST(a_node_that_is_offline_is_not_on_the_bus)
 {
-    HNODE node = scan_node(plant, 5, NULL);
+    HNODE node = scan_node(plant, 5, NULL), other = scan_node(plant, 6, NULL);
 
     ck_assert_int_eq(scan_state(node), NodeOffline);
     ck_assert_int_eq(NodeOffline, NodeInit);
+    scan_activate(plant, other);
     scan_send(plant, "605#4000100000000000");
     scan_send(plant, "000#0105");
-    scan_node(plant, 6, NULL);
+    scan_expect_nothing_more(plant, other); /* it has been through */
     ck_assert_int_eq(canOpenActivateNode(node), SCANOPEN_OK);
     scan_expect(plant, "705#00");
     scan_expect_nothing_more(plant, node);
@@ -122,8 +123,9 @@ END_TEST
 
 START_TEST(a_node_goes_offline_and_comes_back)
 {
-    HNODE node = scan_node(plant, 5, NULL);
+    HNODE node = scan_node(plant, 5, NULL), other = scan_node(plant, 6, NULL);
 
+    scan_activate(plant, other);
     scan_number(node, 0x2000, TYP_UINT16, READ_ACCESS | WRITE_ACCESS, 0x1234, NULL);
     for (unsigned i = 0; i < 3; i++) {
         scan_activate(plant, node);
@@ -135,6 +137,7 @@ START_TEST(a_node_goes_offline_and_comes_back)
         ck_assert_uint_eq(scan_get(node, 0x2000, 0), 0x1234);
         ck_assert_int_eq(canOpenResetNode(node), SCANOPEN_OK); /* as it is */
         scan_send(plant, "605#4000200000000000");
+        scan_expect_nothing_more(plant, other);
     }
     scan_number(node, 0x2001, TYP_UINT8, READ_ACCESS, 7, NULL); /* and it may be extended */
     scan_activate(plant, node);

@@ -110,8 +110,6 @@ static const struct presence {
     { 0x1020, PARAMETER_STORE },
     { 0x1028, EMCY_CONSUMER },
     { 0x1029, ERROR_BEHAVIOUR_OBJECT },
-    { 0x1201, ADDITIONAL_SDOS },
-    { 0x1202, ADDITIONAL_SDOS },
 };
 
 static const unsigned long option_sets[] = {

@@ -85,7 +85,10 @@ void scan_expect(struct scan_plant *self, const char *frame);
 /* Skips frames until this one; false: it did not come within ms. */
 bool scan_await_within(struct scan_plant *self, const char *frame, unsigned ms);
 void scan_await(struct scan_plant *self, const char *frame);
-/* Time of the frame expected or awaited last, on the clock of clock_now(). */
+/*
+ * Time of the frame expected or awaited last, on the clock of clock_now(); a busy machine may give it
+ * some ms later than it was sent.
+ */
 co_us_t scan_time(const struct scan_plant *self);
 /*
  * No frame is there that was not expected, and what was sent to the active node until now brings

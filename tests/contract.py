@@ -25,6 +25,7 @@ GUARD = re.compile(r"SCANOPEN\w*_H")
 DEFINE = re.compile(r"^\s*#\s*define\s+(\w+)(\(?)", re.M)
 STRUCTURE = re.compile(r"\btypedef\s+(?:struct|union)\s*\{(.*?)\n\}\s*([^;]*);", re.S)
 ENUM = re.compile(r"\benum\s*\{(.*?)\}\s*;", re.S)
+ENUMERATOR = re.compile(r"\b([A-Z]\w*)(?=\s*(?:[=,]|$))")
 SIMPLE_TYPE = re.compile(r"\btypedef\s+[^;{}]*?(?:\(\*(\w+)\)\([^;]*\)|\b(\w+))\s*;")
 FUNCTION = re.compile(r"\bMCANOPEN_API\s+([\w *]+?)\b(\w+)\(([^;]*)\);")
 CODE = re.compile(r"\bSCANOPEN_[A-Z_]+\b")
@@ -115,8 +116,7 @@ def structure_names(text):
 
 def enum_names(text):
     for match in ENUM.finditer(text):
-        yield from (("constant", n) for n in re.findall(r"\b([A-Z]\w*)\b(?=\s*[=,])|\b([A-Z]\w*)\s*$",
-                                                        match.group(1)) if n)
+        yield from (("constant", n) for n in ENUMERATOR.findall(match.group(1)))
 
 
 def define_names(text):
@@ -137,14 +137,12 @@ def private(name):
 
 def header_names(text):
     """The (kind, name) of a header without its functions' errors."""
-    functions = functions_of(text)
-    yield from (("function", f.name) for f in functions)
+    yield from (("function", f.name) for f in functions_of(text))
     plain = COMMENT.sub(" ", text)
-    own = {f.name for f in functions}
-    yield from (n for n in define_names(plain) if n[1] not in own)
+    yield from define_names(plain)
     plain = re.sub(r"^\s*#(?:[^\n]*\\\n)*[^\n]*", "", plain, flags=re.M)
     yield from structure_names(plain)
-    yield from (("constant", n[0] or n[1]) for _, n in enum_names(plain))
+    yield from enum_names(plain)
     rest = STRUCTURE.sub("", plain)
     yield from (("type", a or b) for a, b in SIMPLE_TYPE.findall(rest))
 
@@ -152,12 +150,11 @@ def header_names(text):
 def public_names(texts):
     """The set of (kind, name) of all headers."""
     functions = [f for text in texts for f in functions_of(text)]
-    names = {(k, n) for text in texts for k, n in header_names(text) if not private(n)}
-    own = {f.name for f in functions}
-    names = {(k, n) for k, n in names if k == "function" or n not in own}
+    names = {name for text in texts for name in header_names(text) if not private(name[1])}
     errors = {(f.name, e) for f in functions for e in errors_of(f, functions)}
     names |= {("error", f"{f} {e}") for f, e in errors}
-    return names - {("constant", e) for _, e in errors}
+    doubles = {("constant", e) for _, e in errors} | {("macro", f.name) for f in functions}
+    return names - doubles
 
 
 def read_headers(folder):

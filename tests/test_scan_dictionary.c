@@ -307,11 +307,13 @@ static int write_text(const char *types, char *memory, unsigned long size, unsig
 START_TEST(strings)
 {
     const char *types = text_rows[_i].types;
-    static char memory[20] = "twelve bytes", other[8] = "short"; /* the entry keeps them */
+    static char memory[20], other[8]; /* the entry keeps them */
     char *text = NULL;
     DictionaryData data;
 
     memset(&data, 0, sizeof data);
+    strcpy(memory, "twelve bytes");
+    strcpy(other, "short");
     if (_i == 0)
         data.visstring = (RecVisString){ memory, sizeof memory, 12 };
     else if (_i == 1)

@@ -124,8 +124,8 @@ static int (*const in_need_of_memory[])(void) = {
 };
 
 /*
- * One after the other of what the call asks for is refused; the last time nothing is. Without memory
- * a thread may not start, too.
+ * One after the other of what the call asks for is refused; the last time nothing is. Without
+ * memory a thread may not start, too.
  */
 static void refuse_each(int (*call)(void), unsigned *left, int code)
 {

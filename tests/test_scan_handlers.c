@@ -1,4 +1,4 @@
-/* Object handlers: what they are told, when they are asked, and their verdict on a client's data. */
+/* Object handlers: what they are told, when they are asked, their verdict on a client's data. */
 #include "port/clock.h"
 #include "support/scan_plant.h"
 #include "support/suite.h"

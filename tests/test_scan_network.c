@@ -1,6 +1,6 @@
 /*
- * Networks of the slave API: created, removed, shared with a manager, with priorities; as many nodes
- * on as many networks as there may be.
+ * Networks of the slave API: created, removed, shared with a manager, with priorities; as many
+ * nodes on as many networks as there may be.
  */
 #include "mcanopen.h"
 #include "support/scan_plant.h"

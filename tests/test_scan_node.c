@@ -1,6 +1,6 @@
 /*
- * The life of a node: created, activated, led by a manager on the bus, reset, deleted; what it tells
- * its event handler about that.
+ * The life of a node: created, activated, led by a manager on the bus, reset, deleted; what it
+ * tells its event handler about that.
  */
 #include "support/scan_plant.h"
 #include "support/suite.h"

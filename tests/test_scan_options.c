@@ -1,6 +1,6 @@
 /*
- * SLAVE_NODE_INFO and the arguments of canOpenCreateNode: which objects of the communication profile
- * a node gets, with which values, as an SDO client sees them.
+ * SLAVE_NODE_INFO and the arguments of canOpenCreateNode: which objects of the communication
+ * profile a node gets, with which values, as an SDO client sees them.
  */
 #include "support/scan_plant.h"
 #include "support/suite.h"

@@ -86,8 +86,8 @@ void scan_expect(struct scan_plant *self, const char *frame);
 bool scan_await_within(struct scan_plant *self, const char *frame, unsigned ms);
 void scan_await(struct scan_plant *self, const char *frame);
 /*
- * Time of the frame expected or awaited last, on the clock of clock_now(); a busy machine may give it
- * some ms later than it was sent.
+ * Time of the frame expected or awaited last, on the clock of clock_now(); a busy machine may give
+ * it some ms later than it was sent.
  */
 co_us_t scan_time(const struct scan_plant *self);
 /*

@@ -5,6 +5,7 @@
 #include "support/scan_plant.h"
 #include "support/suite.h"
 
+#include <stdatomic.h>
 #include <stdio.h>
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
@@ -12,7 +13,7 @@
 static struct scan_plant *plant;
 static HNODE node;
 static HPDO tx, tx_done, rx;
-static int (*chosen)(void);
+static int (*_Atomic chosen)(void);
 
 /* --- refused --- */
 
@@ -151,14 +152,14 @@ static int (*const allowed[])(void) = {
 static int on_event(SLAVE_EVENT *event)
 {
     if (event->ulEvent == EV_STATE_CHANGE && event->ulArg1 == NodeOperational)
-        scan_note("event %d", chosen());
+        scan_note("event %d", atomic_load(&chosen)());
     return SCANOPEN_OK;
 }
 
 static int on_data(int net, int id, int index, int sub, void *data)
 {
     scan_note("%d/%d %04X:%02X %s %d", net, id, (unsigned)index, (unsigned)sub,
-              data ? "set" : "wanted", chosen());
+              data ? "set" : "wanted", atomic_load(&chosen)());
     return SCANOPEN_OK;
 }
 
@@ -222,7 +223,7 @@ static void expect_from_callbacks(int (*call)(void), int result)
 
     for (unsigned i = 0; i < COUNT(forms); i++)
         snprintf(notes[i], sizeof notes[i], forms[i], result);
-    chosen = call;
+    atomic_store(&chosen, call);
     scan_send(plant, "000#0105");
     scan_expect_note(notes[0]);
     ck_assert_int_eq(scan_state(node), NodeOperational);

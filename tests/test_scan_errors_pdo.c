@@ -77,6 +77,9 @@ static const struct order no_parameters[] = {
     { 0x7FF, TRANSMIT_PDO | 255, 0, 0, NULL },
     { 0x800, TRANSMIT_PDO | 255, 0, 0, NULL }, /* 29 bits without the flag */
     { 0x1FFFFFFF, TRANSMIT_PDO | 255, 0, 0, NULL },
+    { 0x080, TRANSMIT_PDO | 255, 0, 0, NULL }, /* the node's SYNC */
+    { 0x085, TRANSMIT_PDO | 255, 0, 0, NULL }, /* its EMCY */
+    { 0x1F0, TRANSMIT_PDO | 255, 0, 0, NULL }, /* another PDO of it */
     /* direction and kind */
     { DEFAULT_PDO1, 255, 0, 0, NULL },
     { DEFAULT_PDO1, RECEIVE_PDO | TRANSMIT_PDO | 255, 0, 0, NULL },
@@ -103,6 +106,7 @@ START_TEST(parameters_that_are_not_valid)
 {
     HPDO pdo = NULL;
 
+    make(0x1F0, TRANSMIT_PDO | 255, 0, 0, NULL);
     ck_assert_int_eq(define(&no_parameters[_i], &pdo), SCANOPEN_PDO_PARAMETER_ERROR);
 }
 END_TEST

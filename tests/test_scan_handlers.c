@@ -306,7 +306,7 @@ END_TEST
 
 /* --- time stamps --- */
 
-static uint64_t last_time; /* written before its note */
+static _Atomic uint64_t last_time; /* written before its note */
 
 static int on_time(int net, int id, int index, int sub, void *data, uint64_t time)
 {

@@ -284,6 +284,13 @@ void scan_expect(struct scan_plant *self, const char *frame)
     self->time = take(self, 0).time;
 }
 
+unsigned scan_next_number(struct scan_plant *self)
+{
+    ck_assert_msg(frame_at(self, 0, clock_now() + SCAN_PATIENCE) != NULL, "nothing came");
+    ck_assert_uint_ge(self->frames[0].frame.dlc, 2);
+    return get_le16(take(self, 0).frame.data);
+}
+
 bool scan_await_within(struct scan_plant *self, const char *frame, unsigned ms)
 {
     co_us_t limit = clock_now() + CO_MS(ms);

@@ -82,6 +82,8 @@ int scan_set(HNODE node, unsigned short index, unsigned short sub, uint32_t valu
 void scan_send(struct scan_plant *self, const char *frame);
 /* The next frame is this one; waits for it. "185#R*" is any that begins like this. */
 void scan_expect(struct scan_plant *self, const char *frame);
+/* The first two bytes of the next frame, whatever it is, the low one first; waits for it. */
+unsigned scan_next_number(struct scan_plant *self);
 /* Skips frames until this one; false: it did not come within ms. */
 bool scan_await_within(struct scan_plant *self, const char *frame, unsigned ms);
 void scan_await(struct scan_plant *self, const char *frame);

@@ -374,7 +374,7 @@ START_TEST(another_length_than_the_mapping)
 {
     const char *const frames[] = { "205#", "205#0102" };
     struct waiting waiting = { .call = receives[_i % 2],
-                               .pdo = make(DEFAULT_PDO1, RECEIVE_PDO | 255, 0, 30000, others),
+                               .pdo = make(DEFAULT_PDO1, RECEIVE_PDO | 255, 0, 5000, outputs),
                                .buffer = { 9 } };
 
     scan_activate(plant, node);

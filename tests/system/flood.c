@@ -40,11 +40,14 @@ int main(int argc, char **argv)
     const struct bus_filter nothing = { .id = 0x7FF, .mask = 0x7FF };
     char message[512] = "";
     struct bus *bus = NULL;
+    int result;
 
     if (argc < 4 || bus_open(argv[1], &options, &bus, message, sizeof message) != CO_OK ||
         bus_set_filters(bus, &nothing, 1) != CO_OK) {
         fprintf(stderr, "flood: %s\n", message);
         return EXIT_FAILURE;
     }
-    return flood(bus, strtoul(argv[2], NULL, 10), argv + 3, (unsigned)argc - 3);
+    result = flood(bus, strtoul(argv[2], NULL, 10), argv + 3, (unsigned)argc - 3);
+    bus_close(bus);
+    return result;
 }

@@ -277,11 +277,22 @@ run_refusals()
         MCANOPEN_TOOLS=$build/debug/tools python3 test_bad_input.py
 }
 
-# The README's first command, as in a fresh clone: nothing is built yet.
+# The example programs: no error, no leak.
+run_examples()
+{
+    cd tests/system || return 1
+    MCANOPEN_TEST_WRAP="valgrind -q --error-exitcode=99 --leak-check=full --show-leak-kinds=all
+        --errors-for-leak-kinds=all" \
+        MCANOPEN_TOOLS=$build/debug/tools python3 test_examples.py
+}
+
+# The README's first command, as in a fresh clone: nothing is built yet. Then those of the others.
 run_demo()
 {
     rm -rf "$build/fresh"
-    MCANOPEN_BUILD=$build/fresh/demo sh examples/boot-network/run.sh virtual:demo-$$
+    for example in boot-network async-io cia401-io manager-with-data; do
+        MCANOPEN_BUILD=$build/fresh/demo sh examples/$example/run.sh virtual:demo-$$ || return 1
+    done
 }
 
 # ---- which lanes ---------------------------------------------------------------------------------
@@ -306,7 +317,7 @@ run_more()
     lane m32 run_m32
     lane valgrind run_valgrind
     lane refusals run_refusals
-    lane example sh tests/system/valgrind_example.sh "$build/debug"
+    lane examples run_examples
     lane fuzz run_fuzz
     lane release build_preset release
     lane demo run_demo

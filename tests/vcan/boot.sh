@@ -4,7 +4,8 @@
 set -eu
 MCANOPEN_TOOLS=$MCANOPEN_BUILD/tools
 MCANOPEN_TEST_BUS=vcan0
-export MCANOPEN_TOOLS MCANOPEN_TEST_BUS
-for test in tests/system/test_boot.py tests/system/test_example.py; do
+MCANOPEN_TEST_BRIEF=yes
+export MCANOPEN_TOOLS MCANOPEN_TEST_BUS MCANOPEN_TEST_BRIEF
+for test in tests/system/test_boot.py tests/system/test_examples.py; do
     python3 -B "$test"
 done

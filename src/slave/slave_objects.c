@@ -286,8 +286,10 @@ sdo_abort_t slave_check_write(const struct slave_write *write)
 {
     const uint16_t index = write->entry->index;
 
-    if (changes(write, write->entry->frozen))
+    if (write->entry->frozen != 0 && changes(write, write->entry->frozen))
         return SDO_INVALID_VALUE;
+    if (index > LAST_COMMUNICATION_OBJECT)
+        return SDO_OK;
     for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++)
         if (index >= rules[i].first && index <= rules[i].last)
             return rules[i].check(write);

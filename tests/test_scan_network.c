@@ -236,6 +236,7 @@ START_TEST(the_manager_goes_on)
 
     ck_assert_int_eq(configure_manager(SCAN_BITRATE), MCANOPEN_OK);
     ck_assert_int_eq(canOpenCreateNetworkEx(0, &info), SCANOPEN_OK);
+    mcanOpenStart();
     ck_assert_int_eq(canOpenRemoveNetwork(0), SCANOPEN_OK);
     scan_forget(plant);
     scan_await(plant, "605#4000100000000000"); /* it asks for the slave that is not there */

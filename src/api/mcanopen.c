@@ -72,9 +72,8 @@ static enum co_err take_place(struct managed *self, char *message, size_t size)
                  node);
         return CO_ERR_VALUE;
     }
-    network_set_manager(self->network, node, self->manager);
     self->placed = true;
-    return CO_OK;
+    return network_set_manager(self->network, node, self->manager);
 }
 
 static int open_bus(struct managed *self, struct co_report *report)

@@ -152,8 +152,11 @@ static int activate(struct scan_node *node, co_us_t now, struct co_outbox *out)
         return SCANOPEN_OUT_OF_MEMORY;
     node->slave.accept_long = (node->options & PDO_ACCEPT_LONG) != 0;
     scan_set_pdo_flags(node);
+    if (network_set_slave(node->net->network, node->id, &node->slave) != CO_OK) {
+        slave_done(&node->slave);
+        return SCANOPEN_OUT_OF_MEMORY;
+    }
     node->active = true;
-    network_set_slave(node->net->network, node->id, &node->slave);
     slave_switch_on(&node->slave, now, out);
     return SCANOPEN_OK;
 }

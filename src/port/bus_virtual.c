@@ -36,8 +36,8 @@ struct bus_name_parts {
 
 /* Which frames are for us; own ones only if they are asked for. */
 struct wanted {
-    struct co_lock lock; /* of the thread that waits, and those that set */
-    struct bus_filter *filters;
+    struct co_lock lock;                        /* of the thread that waits, and those that set */
+    struct bus_filter filters[BUS_FILTERS_MAX]; /* its own memory: setting them cannot fail */
     size_t filter_count;
     bool own_frames;
 };
@@ -91,7 +91,8 @@ static bool is_wanted(struct bus_virtual *self, const struct co_frame *frame, bo
 
     lock_take(&wanted->lock);
     result = (!is_own || wanted->own_frames) &&
-             bus_filters_pass(wanted->filters, wanted->filter_count, frame);
+             bus_filters_pass(wanted->filter_count > 0 ? wanted->filters : NULL,
+                              wanted->filter_count, frame);
     lock_give(&wanted->lock);
     return result;
 }
@@ -265,20 +266,12 @@ static enum co_err virtual_set_filters(struct bus *bus, const struct bus_filter 
                                        size_t count)
 {
     struct wanted *wanted = &to_virtual(bus)->wanted;
-    struct bus_filter *copy = NULL, *old;
 
-    if (count > 0) {
-        copy = malloc(count * sizeof *copy);
-        if (!copy)
-            return CO_ERR_MEMORY;
-        memcpy(copy, filters, count * sizeof *copy);
-    }
     lock_take(&wanted->lock);
-    old = wanted->filters;
-    wanted->filters = copy;
+    if (count > 0)
+        memcpy(wanted->filters, filters, count * sizeof *filters);
     wanted->filter_count = count;
     lock_give(&wanted->lock);
-    free(old);
     return CO_OK;
 }
 
@@ -377,7 +370,6 @@ static void virtual_explain(struct bus *bus, char *text, size_t size)
 static void free_virtual(struct bus_virtual *self)
 {
     lock_done(&self->wanted.lock);
-    free(self->wanted.filters);
     free(self);
 }
 

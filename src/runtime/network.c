@@ -252,25 +252,37 @@ enum co_err network_add(struct network *self, uint8_t node, network_sink_fn sink
     return err;
 }
 
-void network_set_slave(struct network *self, uint8_t node, struct slave *slave)
+static enum co_err take_device(struct network *self, struct device *device)
+{
+    const enum co_err err = network_forget(self, device);
+
+    if (err != CO_OK) {
+        device->slave = NULL;
+        device->manager = NULL;
+    }
+    return err;
+}
+
+enum co_err network_set_slave(struct network *self, uint8_t node, struct slave *slave)
 {
     struct device *device = network_device(self, node);
 
-    if (slave) /* what is on its way was not meant for it */
+    if (slave) { /* what is on its way was not meant for it */
         for (unsigned i = 0; i < BURSTS_MAX && receive_burst(self); i++)
             continue;
-    device->slave = slave;
-    if (slave) {
         device->listen_seen = slave->listen_generation;
         device->sync_seen = slave->sync_generation - 1; /* it is new to us */
     }
-    network_forget(self, device);
+    device->slave = slave;
+    return take_device(self, device);
 }
 
-void network_set_manager(struct network *self, uint8_t node, struct manager *manager)
+enum co_err network_set_manager(struct network *self, uint8_t node, struct manager *manager)
 {
-    network_device(self, node)->manager = manager;
-    network_listen(self);
+    struct device *device = network_device(self, node);
+
+    device->manager = manager;
+    return take_device(self, device);
 }
 
 enum co_err network_add_slave(struct network *self, struct slave *slave)
@@ -288,9 +300,7 @@ enum co_err network_add_manager(struct network *self, struct manager *manager)
     const uint8_t node = manager->config->manager_node_id;
     const enum co_err err = network_add(self, node, self->options.sink, self->options.context);
 
-    if (err == CO_OK)
-        network_set_manager(self, node, manager);
-    return err;
+    return err == CO_OK ? network_set_manager(self, node, manager) : err;
 }
 
 void network_retire(struct network *self, uint8_t node)

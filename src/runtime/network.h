@@ -58,9 +58,12 @@ void network_close(struct network *self);
  * node-ID is in use.
  */
 enum co_err network_add(struct network *self, uint8_t node, network_sink_fn sink, void *context);
-/* Between enter and leave: the device of that place; NULL: none. */
-void network_set_slave(struct network *self, uint8_t node, struct slave *slave);
-void network_set_manager(struct network *self, uint8_t node, struct manager *manager);
+/*
+ * Between enter and leave: the device of that place; NULL: none. CO_ERR_MEMORY, CO_ERR_IO: the bus
+ * does not let through what it listens to, and it is not there.
+ */
+enum co_err network_set_slave(struct network *self, uint8_t node, struct slave *slave);
+enum co_err network_set_manager(struct network *self, uint8_t node, struct manager *manager);
 /* Ends what waits in network_wait() for this place, now and from now on. */
 void network_retire(struct network *self, uint8_t node);
 /* Nobody may wait for the place any more; no event of it comes any more. */

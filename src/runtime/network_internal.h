@@ -10,6 +10,14 @@
 #define OUT_FRAMES 1024u
 #define OUT_EVENTS 1024u
 
+#define FILTERS_MAX 512u /* what a bus takes */
+
+struct filters {
+    struct bus_filter list[FILTERS_MAX];
+    unsigned count;
+    bool too_many;
+};
+
 /* A place on the network: a manager or a slave, or neither yet. */
 struct device {
     uint8_t node;
@@ -34,6 +42,8 @@ struct network {
     struct co_outbox out; /* of the device being run */
     struct co_frame out_frames[OUT_FRAMES];
     struct co_event out_events[OUT_EVENTS];
+    struct filters filters; /* of all devices; its own memory, so that none can be missing */
+    struct slave_filter wanted[FILTERS_MAX]; /* of one device, while they are collected */
     struct tx_queue tx;
     co_us_t tx_retry; /* CO_NEVER: nothing waits */
     co_us_t tx_tell;  /* when losses may be told again */
@@ -67,6 +77,6 @@ enum co_err network_listen(struct network *self);
 /* What the device has put out may depend on other frames coming in, or on another SYNC. */
 void network_follow(struct network *self, struct device *device);
 /* Its slave or manager is gone. */
-void network_forget(struct network *self, struct device *device);
+enum co_err network_forget(struct network *self, struct device *device);
 
 #endif

@@ -1,10 +1,7 @@
 /* What the bus lets through to the devices, and SYNC that the kernel sends for one of them. */
 #include "runtime/network_internal.h"
 
-#include <stdlib.h>
 #include <string.h>
-
-#define FILTERS_MAX 512u /* what a bus takes */
 
 static const struct bus_filter everything = { .mask = 0 };
 
@@ -18,12 +15,6 @@ static const struct bus_filter of_manager[] = {
     { 0x700, 0x780, 0, CO_FRAME_EXT },
 };
 
-struct filters {
-    struct bus_filter list[FILTERS_MAX];
-    unsigned count;
-    bool too_many;
-};
-
 static void add(struct filters *self, const struct bus_filter *filter)
 {
     for (unsigned i = 0; i < self->count; i++)
@@ -35,10 +26,11 @@ static void add(struct filters *self, const struct bus_filter *filter)
         self->too_many = true;
 }
 
-static void add_slave(struct filters *self, const struct slave *slave)
+static void add_slave(struct network *network, const struct slave *slave)
 {
-    struct slave_filter wanted[FILTERS_MAX];
-    const unsigned count = slave_listens(slave, wanted, FILTERS_MAX);
+    struct filters *self = &network->filters;
+    const struct slave_filter *wanted = network->wanted;
+    const unsigned count = slave_listens(slave, network->wanted, FILTERS_MAX);
 
     self->too_many |= count > FILTERS_MAX;
     for (unsigned i = 0; i < count && !self->too_many; i++) {
@@ -52,11 +44,11 @@ static void add_slave(struct filters *self, const struct slave *slave)
     }
 }
 
-static void add_device(struct filters *self, const struct device *device)
+static void add_device(struct network *self, const struct device *device)
 {
     if (device->manager)
         for (size_t i = 0; i < sizeof of_manager / sizeof of_manager[0]; i++)
-            add(self, &of_manager[i]);
+            add(&self->filters, &of_manager[i]);
     else if (device->slave)
         add_slave(self, device->slave);
 }
@@ -78,18 +70,17 @@ static bool wants_own_frames(const struct network *self)
 
 enum co_err network_listen(struct network *self)
 {
-    struct filters *filters = calloc(1, sizeof *filters);
+    struct filters *filters = &self->filters;
     enum co_err err;
 
-    if (!filters)
-        return bus_set_filters(self->bus, &everything, 1);
+    filters->count = 0;
+    filters->too_many = false;
     for (unsigned i = 0; i < self->device_count; i++)
-        add_device(filters, &self->devices[i]);
+        add_device(self, &self->devices[i]);
     if (filters->count == 0) /* nobody is there */
         add(filters, &of_manager[0]);
     err = filters->too_many ? bus_set_filters(self->bus, &everything, 1)
                             : bus_set_filters(self->bus, filters->list, filters->count);
-    free(filters);
     if (err == CO_OK)
         err = bus_set_own_frames(self->bus, wants_own_frames(self));
     return err;
@@ -150,8 +141,8 @@ void network_follow(struct network *self, struct device *device)
     }
 }
 
-void network_forget(struct network *self, struct device *device)
+enum co_err network_forget(struct network *self, struct device *device)
 {
     end_cyclic(self, device);
-    network_listen(self);
+    return network_listen(self);
 }

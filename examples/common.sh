@@ -44,7 +44,8 @@ start()
     name=$1
     input=$2
     shift 2
-    "$@" <>"$input" >"$build.$name.log" 2>&1 &
+    : >"$build.$name.log"
+    "$@" <>"$input" >>"$build.$name.log" 2>&1 &
     echo $! >"$build.$name.pid"
     started="$started $!"
 }

@@ -6,8 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define RX_BURST   64u   /* frames handled before the lock is given once */
-#define BURSTS_MAX 2048u /* more than a bus can hold */
+#define RX_BURST 64u /* frames handled before the lock is given once */
 
 /* --- devices --- */
 
@@ -62,6 +61,8 @@ static void deliver(struct network *self, const struct bus_rx *rx)
     for (unsigned i = 0; i < self->device_count; i++) {
         struct device *device = &self->devices[i];
 
+        if (rx->time < device->since) /* it was not meant for this one */
+            continue;
         frame.flags = (uint8_t)(rx->frame.flags & ~CO_FRAME_OWN);
         if (sent_here && frame.tag == device->node)
             frame.flags |= CO_FRAME_OWN;
@@ -267,9 +268,8 @@ enum co_err network_set_slave(struct network *self, uint8_t node, struct slave *
 {
     struct device *device = network_device(self, node);
 
-    if (slave) { /* what is on its way was not meant for it */
-        for (unsigned i = 0; i < BURSTS_MAX && receive_burst(self); i++)
-            continue;
+    if (slave) {
+        device->since = self->now;
         device->listen_seen = slave->listen_generation;
         device->sync_seen = slave->sync_generation - 1; /* it is new to us */
     }

@@ -24,6 +24,7 @@ struct device {
     bool retired;        /* nobody waits on it any more */
     struct slave *slave; /* one of these two, or none */
     struct manager *manager;
+    co_us_t since;                   /* the slave hears frames from then on */
     unsigned listen_seen, sync_seen; /* of the slave: what was done about them */
     network_sink_fn sink;
     void *context;

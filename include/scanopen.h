@@ -77,6 +77,19 @@ MCANOPEN_API int canOpenCreateNodeEx(int iNetNo, int iModID, PFN_COS_EVENT_HANDL
                                      const SLAVE_NODE_INFO *pSlaveInfo, HNODE *HNode);
 
 /*
+ * Ours: a node with all objects and PDOs of its EDS or DCF file (CiA 306), with the DefaultValues.
+ * Entries of the objects 2000h..9FFFh may be given handlers by canOpenInitDictionary; what the
+ * application writes to a mapped entry is sent, as with AUTO_NOTIFY. Of *pSlaveInfo, which may be
+ * NULL, only ulEventMask, usPdoRxQueueSize and, of ulOptions, PDO_ACCEPT_LONG are looked at. What is
+ * wrong in the file goes to the log (mcanOpenSetLog). Errors as above, and
+ *
+ *   SCANOPEN_WRONG_PARAMETER  also: the file cannot be read, or is no EDS or DCF file
+ */
+MCANOPEN_API int canOpenCreateNodeFromFile(int iNetNo, int iModID,
+                                           PFN_COS_EVENT_HANDLER EventHandler, const char *FileName,
+                                           const SLAVE_NODE_INFO *pSlaveInfo, HNODE *HNode);
+
+/*
  * The older form, for existing programs: fewer objects and events. GuardTime in ms; NodeName is for
  * messages, ServerObjects and ClientObjects as ucServerSDO and ucClientSDO. Errors as above.
  */
@@ -250,6 +263,14 @@ MCANOPEN_API int canOpenWriteDictionaryHnd(HDICT HDict, const void *Data);
 MCANOPEN_API int canOpenDefinePDO(HNODE HNode, const char *Name, uint32_t COBid, uint16_t TransMode,
                                   int32_t InhibitTime, uint16_t TxTout, uint16_t RxTout,
                                   int32_t iEventTimer, const uint16_t *Mapping, HPDO *Hpdo);
+
+/*
+ * Ours: the handle of the PDO with the communication parameter Index, 1400h..15FFh or 1800h..19FFh;
+ * of a node from a file, too. *Hpdo is NULL on an error.
+ *
+ *   SCANOPEN_WRONG_INDEX  there is no such PDO
+ */
+MCANOPEN_API int canOpenGetPDOHnd(HNODE HNode, unsigned short Index, HPDO *Hpdo);
 
 /*
  * Sends an asynchronous transmit PDO: as it is, or, with buffer, the bytes at buffer (as many as

@@ -73,7 +73,7 @@ enum {
 typedef struct {
     unsigned long ulOptions;    /* the flags below */
     const char *pNetName;       /* for messages; may be NULL */
-    unsigned short usBaudrate;  /* kbit/s: 10, 20, 50, 100, 125, 250, 500, 800 or 1000 */
+    unsigned short usBaudrate;  /* kbit/s: 10, 20, 50, 100, 125, 250, 500, 800 or 1000, or: */
     unsigned short usDebugMask; /* trace classes, in builds with tracing */
     short sPrioNMT;             /* thread priorities, used with THREAD_PRIOS_OVERWRITE: */
     short sPrioSDO;             /* 0 (lowest) .. 31, or, with THREAD_PRIOS_NATIVE, */
@@ -81,6 +81,8 @@ typedef struct {
     short sPrioEMCY;
     unsigned long ulReserved[4]; /* ours: 0 */
 } SLAVE_NET_INFO;
+
+#define BAUDRATE_AS_IT_IS 0xFFFFU /* ours: whatever the interface has */
 
 #define THREAD_PRIOS_OVERWRITE 0x01UL
 #define THREAD_PRIO_OVERWRITE  THREAD_PRIOS_OVERWRITE

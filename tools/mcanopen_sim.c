@@ -1,13 +1,15 @@
 /*
  * mcanopen sim: simulated devices on a bus, each made from its EDS or DCF file alone.
  */
+#include "mcanopen_sim_values.h"
 #include "verbs.h"
 
-#include "api/control.h"
 #include "api/file.h"
 #include "api/load.h"
 #include "mcanopen.h"
-#include "runtime/network.h"
+#include "port/clock.h"
+#include "proto/nmt.h"
+#include "scanopen.h"
 
 #include <getopt.h>
 #include <poll.h>
@@ -16,18 +18,29 @@
 #include <string.h>
 #include <unistd.h>
 
+#define VALUES_MAX 256u
+
 static const char usage[] =
     "usage: mcanopen sim [options] NETWORK.xml\n"
     "       mcanopen sim [options] --node ID DEVICE.eds [--node ID DEVICE.eds ...]\n"
     "\n"
     "Simulates CANopen devices from their EDS or DCF files: dictionary, SDO server, NMT, boot-up,\n"
-    "heartbeat, emergencies. They start with the DefaultValues of the files. Runs until Ctrl-C.\n"
+    "heartbeat, emergencies, PDOs, SYNC. They start with the DefaultValues of the files. Runs "
+    "until\n"
+    "Ctrl-C.\n"
     "\n"
     "  --node ID FILE   a device with this node-ID; with NETWORK.xml it replaces that node's file\n"
     "  --without ID     leave this node of NETWORK.xml out\n"
     "  --bus BUS        where (default: the bus of the network with --net, as 'boot' has it)\n"
     "                   virtual:NAME?bitrate=500000: frames take the time of a real bus\n"
     "  --net N          network of the file (default: the first), or N of MCANOPEN_NET_N, can<N>\n"
+    "\n"
+    "Values of objects; ID decimal, INDEX and SUB hexadecimal. What is mapped into a PDO is sent:\n"
+    "  --set ID:INDEX[:SUB]=VALUE           --set 5:6401:1=1234\n"
+    "  --ramp ID:INDEX[:SUB]=A..B/MS[/STEP] from A to B within MS, then anew, a step each STEP ms\n"
+    "                                       (100): --ramp 5:6401:1=0..1000/2000\n"
+    "  --toggle ID:INDEX[:SUB]=A..B/MS      A and B in turns: --toggle 5:6000:1=0..255/500\n"
+    "\n"
     "  -q, --quiet      no warnings about the files\n"
     "  -v, --verbose    tell the NMT states of the devices\n"
     "  -h, --help       this text\n"
@@ -36,9 +49,8 @@ static const char usage[] =
 
 struct sim_device {
     const char *file; /* given with --node; NULL: from the network's file */
-    bool wanted, without, made;
-    struct od od;
-    struct slave slave;
+    bool wanted, without;
+    HNODE handle; /* NULL: not made */
 };
 
 struct sim {
@@ -50,7 +62,8 @@ struct sim {
     size_t network_count;
     const struct network_config *config; /* NULL: without a file */
     struct sim_device devices[NMT_NODE_MAX + 1];
-    struct network *network;
+    struct sim_value values[VALUES_MAX];
+    unsigned value_count;
 };
 
 static void print_message(void *context, enum co_severity severity, const char *text)
@@ -61,165 +74,203 @@ static void print_message(void *context, enum co_severity severity, const char *
         fprintf(stderr, "%s\n", text);
 }
 
+/* What the library says. */
+static void on_log(void *context, int level, const char *text)
+{
+    print_message(context, level == MCANOPEN_LOG_ERROR ? CO_ERROR : CO_WARNING, text);
+}
+
 /* --- devices --- */
 
+static int on_event(SLAVE_EVENT *event)
+{
+    printf("node %u: %s\n", event->usModId, nmt_state_text((uint8_t)event->ulArg1));
+    fflush(stdout);
+    return SCANOPEN_OK;
+}
+
+static SLAVE_NODE_INFO make_info(const struct sim *self)
+{
+    return (SLAVE_NODE_INFO){ .ulEventMask = self->verbose ? EV_STATE_CHANGE : 0,
+                              .ulOptions = PDO_ACCEPT_LONG };
+}
+
+static int network_number(const struct sim *self)
+{
+    return self->config ? self->config->net : self->net < 0 ? 0 : self->net;
+}
+
 /* A node of the network without a file: what every device has, with the identity expected. */
-static enum co_err make_bare_od(const struct node_config *node, struct od *od)
+static int make_bare(struct sim *self, const struct node_config *node, HNODE *ret_handle)
 {
-    const uint32_t identity[] = { node->vendor_id, node->product_code, node->revision_number,
-                                  node->serial_number };
-    enum co_err err = od_add_number(od, 0x1000, 0, OD_UNSIGNED32, OD_RO, node->device_type);
+    SLAVE_NODE_INFO info = make_info(self);
 
-    if (err == CO_OK)
-        err = od_add_number(od, 0x1017, 0, OD_UNSIGNED16, OD_RW, node->consumer_heartbeat_time / 2);
-    if (err == CO_OK)
-        err = od_add_number(od, 0x1018, 0, OD_UNSIGNED8, OD_RO, 4);
-    for (uint8_t sub = 1; sub <= 4 && err == CO_OK; sub++)
-        err = od_add_number(od, 0x1018, sub, OD_UNSIGNED32, OD_RO, identity[sub - 1]);
-    return err;
+    fprintf(stderr,
+            "%s:%u: warning: node %u has no DCF_File: simulated with the mandatory objects only "
+            "(--node %u FILE gives it one)\n",
+            self->xml, node->line, node->node_id, node->node_id);
+    info.ulOptions |= PRODUCER_HEARTBEAT;
+    info.ulDeviceType = node->device_type;
+    info.usProducerHbTime = (unsigned short)(node->consumer_heartbeat_time / 2);
+    info.ucMaxIdentityObject = 4;
+    info.ulVendorId = node->vendor_id;
+    info.ulProductCode = node->product_code;
+    info.ulRevisionNumber = node->revision_number;
+    info.ulSerialNumber = node->serial_number;
+    return canOpenCreateNodeEx(network_number(self), node->node_id, on_event, &info, ret_handle);
 }
 
-static int make_file_od(struct sim *self, uint8_t node, const char *path, struct od *od)
+static int make_from(struct sim *self, uint8_t node, const char *path, HNODE *ret_handle)
 {
-    struct co_report report = { .sink = print_message, .context = self };
-    struct dcf dcf;
-    int result = load_dcf(path, &report, &dcf);
-    enum co_err err;
+    const SLAVE_NODE_INFO info = make_info(self);
 
-    if (result != MCANOPEN_OK)
-        return EXIT_USAGE;
-    report.file = path;
-    err = dcf_make_od(&dcf, node, &report, od);
-    dcf_done(&dcf);
-    if (err != CO_OK && report.errors == 0)
-        fprintf(stderr, "%s: error: %s\n", path, co_err_text(err));
-    return err == CO_OK ? EXIT_UP : EXIT_USAGE;
+    return canOpenCreateNodeFromFile(network_number(self), node, on_event, path, &info, ret_handle);
 }
 
-static int make_configured_od(struct sim *self, const struct node_config *node, struct od *od)
+static int make_configured(struct sim *self, const struct node_config *node, HNODE *ret_handle)
 {
     char *path = NULL;
-    int result;
+    int result = SCANOPEN_WRONG_PARAMETER;
 
-    if (!node->dcf_file) {
-        fprintf(stderr,
-                "%s:%u: warning: node %u has no DCF_File: simulated with the mandatory "
-                "objects only (--node %u FILE gives it one)\n",
-                self->xml, node->line, node->node_id, node->node_id);
-        return make_bare_od(node, od) == CO_OK ? EXIT_UP : EXIT_USAGE;
-    }
+    if (!node->dcf_file)
+        return make_bare(self, node, ret_handle);
     if (file_find(self->config, self->xml, node->dcf_file, &path) != CO_OK)
-        return EXIT_USAGE;
-    if (access(path, F_OK) == 0) {
-        result = make_file_od(self, node->node_id, path, od);
-    } else {
+        return SCANOPEN_OUT_OF_MEMORY;
+    if (access(path, F_OK) == 0)
+        result = make_from(self, node->node_id, path, ret_handle);
+    else
         fprintf(stderr, "%s:%u: error: DCF_File: %s: %s\n", self->xml, node->file_line, path,
                 file_error_text(CO_ERR_NOT_FOUND));
-        result = EXIT_USAGE;
-    }
     free(path);
     return result;
 }
 
-static int make_device(struct sim *self, uint8_t node)
+static bool make_device(struct sim *self, uint8_t node)
 {
     struct sim_device *device = &self->devices[node];
     int result;
-    enum co_err err;
 
-    od_init(&device->od);
     if (device->file)
-        result = make_file_od(self, node, device->file, &device->od);
+        result = make_from(self, node, device->file, &device->handle);
     else
-        result = make_configured_od(self, network_config_node(self->config, node), &device->od);
-    err = result == EXIT_UP ? slave_init(&device->slave, node, &device->od) : CO_ERR_VALUE;
-    if (err == CO_OK) {
-        device->made = true;
-        device->slave.accept_long = true;
-        device->slave.assume_sync = true;
-        err = network_add_slave(self->network, &device->slave);
-    } else {
-        od_done(&device->od);
-    }
-    return err == CO_OK ? EXIT_UP : EXIT_USAGE;
+        result = make_configured(self, network_config_node(self->config, node), &device->handle);
+    if (result == SCANOPEN_OUT_OF_MEMORY)
+        fprintf(stderr, "mcanopen sim: out of memory\n");
+    return result == SCANOPEN_OK;
 }
 
-static int make_devices(struct sim *self)
+static bool make_devices(struct sim *self)
 {
-    int result = EXIT_UP;
+    bool good = true;
 
-    for (uint8_t node = 1; node <= NMT_NODE_MAX && result == EXIT_UP; node++)
+    for (uint8_t node = 1; node <= NMT_NODE_MAX && good; node++)
         if (self->devices[node].wanted && !self->devices[node].without)
-            result = make_device(self, node);
-    return result;
+            good = make_device(self, node);
+    return good;
 }
 
 static void free_devices(struct sim *self)
 {
     for (unsigned node = 1; node <= NMT_NODE_MAX; node++) {
-        if (!self->devices[node].made)
+        if (!self->devices[node].handle)
             continue;
-        slave_done(&self->devices[node].slave);
-        od_done(&self->devices[node].od);
+        canOpenResetNode(self->devices[node].handle);
+        canOpenDeleteNode(self->devices[node].handle);
     }
+}
+
+/* --- values --- */
+
+static bool begin_values(struct sim *self)
+{
+    bool good = true;
+
+    for (unsigned i = 0; i < self->value_count && good; i++) {
+        struct sim_value *value = &self->values[i];
+        HNODE handle = self->devices[value->node].handle;
+
+        if (!handle)
+            fprintf(stderr, "mcanopen sim: %s: there is no node %u\n", value->option, value->node);
+        good = handle && sim_value_begin(value, handle, clock_now());
+    }
+    return good;
+}
+
+/* Returns how long the next one has time, for poll(). */
+static int step_values(struct sim *self)
+{
+    const co_us_t now = clock_now();
+    co_us_t next = CO_NEVER;
+
+    for (unsigned i = 0; i < self->value_count; i++) {
+        sim_value_step(&self->values[i], now);
+        next = co_earlier(next, self->values[i].due);
+    }
+    return next == CO_NEVER ? -1 : (int)((next - now + 999) / 1000);
 }
 
 /* --- running --- */
 
-static void on_event(void *context, struct network *network, const struct co_event *event)
+static bool activate(struct sim *self, unsigned *ret_count)
 {
-    const struct sim *self = context;
-    char text[CO_REPORT_TEXT_SIZE];
-
-    if (control_bus_text(network, event, text, sizeof text))
-        fprintf(stderr, "%s: warning: %s\n", network_name(network), text);
-    if (!self->verbose || event->type != SLAVE_STATE)
-        return;
-    printf("node %u: %s\n", event->node, nmt_state_text(event->detail));
-    fflush(stdout);
+    *ret_count = 0;
+    for (unsigned node = 1; node <= NMT_NODE_MAX; node++) {
+        if (!self->devices[node].handle)
+            continue;
+        if (canOpenActivateNode(self->devices[node].handle) != SCANOPEN_OK)
+            return false;
+        ++*ret_count;
+    }
+    return true;
 }
 
-static int run(struct sim *self)
+static int run(struct sim *self, const char *bus)
 {
     int signals = stop_signals();
     struct pollfd fd = { .fd = signals, .events = POLLIN };
-    unsigned count = 0;
+    unsigned count;
 
-    for (unsigned node = 1; node <= NMT_NODE_MAX; node++)
-        count += self->devices[node].made;
-    if (signals < 0 || network_start(self->network) != CO_OK) {
+    if (signals < 0 || !activate(self, &count)) {
         fprintf(stderr, "mcanopen sim: out of resources\n");
         return EXIT_USAGE;
     }
-    printf("%u simulated device%s on %s\n", count, count == 1 ? "" : "s",
-           network_name(self->network));
+    printf("%u simulated device%s on %s\n", count, count == 1 ? "" : "s", bus);
     fflush(stdout);
-    while (poll(&fd, 1, -1) < 1)
+    while (poll(&fd, 1, step_values(self)) < 1)
         continue;
     close(signals);
     return EXIT_UP;
 }
 
+/* The library opens what the environment names for the network. */
+static void name_bus(const struct sim *self, char *bus, size_t size)
+{
+    const struct network_config by_net = { .net = (uint8_t)network_number(self) };
+    char variable[32];
+
+    load_bus_name(self->config ? self->config : &by_net, bus, size);
+    if (self->bus)
+        snprintf(bus, size, "%s", self->bus);
+    snprintf(variable, sizeof variable, "MCANOPEN_NET_%d", network_number(self));
+    setenv(variable, bus, 1);
+}
+
 static int simulate(struct sim *self)
 {
-    char bus[64], message[512] = "";
-    const struct network_config by_net = { .net = (uint8_t)(self->net < 0 ? 0 : self->net) };
-    struct network_options options = { .bus = bus, .sink = on_event, .context = self };
-    int result;
+    SLAVE_NET_INFO info = { .usBaudrate = BAUDRATE_AS_IT_IS };
+    char bus[64];
+    int result = EXIT_USAGE;
 
-    load_bus_name(self->config ? self->config : &by_net, bus, sizeof bus);
-    if (self->bus)
-        snprintf(bus, sizeof bus, "%s", self->bus);
-    options.bitrate = self->config ? self->config->baudrate : 0;
-    if (network_open(&options, &self->network, message, sizeof message) != CO_OK) {
-        fprintf(stderr, "mcanopen sim: %s\n", message);
+    mcanOpenSetLog(on_log, self);
+    name_bus(self, bus, sizeof bus);
+    if (self->config && self->config->baudrate != 0)
+        info.usBaudrate = (unsigned short)self->config->baudrate;
+    if (canOpenCreateNetworkEx(network_number(self), &info) != SCANOPEN_OK)
         return EXIT_BUS;
-    }
-    result = make_devices(self);
-    if (result == EXIT_UP)
-        result = run(self);
-    network_close(self->network);
+    if (make_devices(self) && begin_values(self))
+        result = run(self, bus);
     free_devices(self);
+    canOpenRemoveNetwork(network_number(self));
     return result;
 }
 
@@ -278,6 +329,15 @@ static bool take_node(struct sim *self, int argc, char **argv)
     return true;
 }
 
+static bool take_value(struct sim *self, enum sim_motion motion)
+{
+    if (self->value_count == VALUES_MAX) {
+        fprintf(stderr, "mcanopen sim: more than %u values\n", VALUES_MAX);
+        return false;
+    }
+    return sim_value_parse(motion, optarg, &self->values[self->value_count++]);
+}
+
 static bool take_option(struct sim *self, int option, int argc, char **argv)
 {
     uint8_t number;
@@ -295,6 +355,9 @@ static bool take_option(struct sim *self, int option, int argc, char **argv)
             return false;
         self->net = number;
         return true;
+    case 's': return take_value(self, SIM_SET);
+    case 'r': return take_value(self, SIM_RAMP);
+    case 't': return take_value(self, SIM_TOGGLE);
     case 'q': self->quiet = true; return true;
     case 'v': self->verbose = true; return true;
     default: fputs(usage, stderr); return false;
@@ -303,12 +366,17 @@ static bool take_option(struct sim *self, int option, int argc, char **argv)
 
 static bool parse_options(struct sim *self, int argc, char **argv)
 {
-    static const struct option options[] = {
-        { "node", required_argument, NULL, 'n' }, { "without", required_argument, NULL, 'w' },
-        { "bus", required_argument, NULL, 'b' },  { "net", required_argument, NULL, 'N' },
-        { "quiet", no_argument, NULL, 'q' },      { "verbose", no_argument, NULL, 'v' },
-        { "help", no_argument, NULL, 'h' },       { NULL, 0, NULL, 0 }
-    };
+    static const struct option options[] = { { "node", required_argument, NULL, 'n' },
+                                             { "without", required_argument, NULL, 'w' },
+                                             { "bus", required_argument, NULL, 'b' },
+                                             { "net", required_argument, NULL, 'N' },
+                                             { "set", required_argument, NULL, 's' },
+                                             { "ramp", required_argument, NULL, 'r' },
+                                             { "toggle", required_argument, NULL, 't' },
+                                             { "quiet", no_argument, NULL, 'q' },
+                                             { "verbose", no_argument, NULL, 'v' },
+                                             { "help", no_argument, NULL, 'h' },
+                                             { NULL, 0, NULL, 0 } };
     int option;
     bool any = false;
 

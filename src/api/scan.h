@@ -5,9 +5,13 @@
  *   scan_network.c     canOpenCreateNetwork..., daemons, priorities
  *   scan_node.c        canOpenCreateNode..., a node's life
  *   scan_objects.c     its communication objects
- *   scan_dictionary.c  canOpenExtendDictionary ..., reading and writing
+ *   scan_dictionary.c  canOpenExtendDictionary ...
  *   scan_value.c       values as C has them, and as they travel
+ *   scan_access.c      reading and writing it
  *   scan_pdo.c         PDOs
+ *   scan_pdo_io.c      their data sent, received and requested by the application
+ *   scan_file.c        nodes from EDS and DCF files
+ *   scan_parameter.c   versions and parameters
  *   scan_handlers.c    the PDO and SDO daemons: object handlers
  *   scan_events.c      the NMT daemon: node events
  *
@@ -109,9 +113,11 @@ struct scan_token {
     uint32_t generation;
 };
 
+/* For the NMT daemon: an event of a node, or, without a node, something to be logged. */
 struct scan_event_token {
-    struct scan_token node;
+    struct scan_token node; /* generation 0: none */
     SLAVE_EVENT event;
+    struct co_event news;
 };
 
 /* ---- scan.c ---- */
@@ -200,6 +206,16 @@ sdo_abort_t scan_take_field(const struct pdo_field *field, const uint8_t data[8]
 
 /* ---- scan_node.c ---- */
 
+struct scan_order { /* a node to be made */
+    int net, id;
+    const SLAVE_NODE_INFO *info;
+    const char *file; /* EDS or DCF; NULL: as info says */
+    bool old;         /* by canOpenCreateNode */
+    PFN_COS_EVENT_HANDLER on_event;
+    PFN_COS_EVENT_HANDLER_OLD on_event_old;
+};
+int scan_create_node(const struct scan_order *order, HNODE *ret_handle);
+
 int scan_node_state(const struct scan_node *node);
 
 /* ---- scan_pdo.c ---- */
@@ -221,6 +237,11 @@ struct scan_sending {
 struct scan_sending scan_begin_sending(const struct scan_node *node, const struct od_entry *entry);
 /* Waits until it has been on the bus, where the result so far is SCANOPEN_OK. Under the lock. */
 int scan_wait_sent(struct scan_node *node, const struct scan_sending *sending, int result);
+
+/* ---- scan_file.c ---- */
+
+/* Dictionary and PDOs of a node without any. SCANOPEN_WRONG_PARAMETER, SCANOPEN_OUT_OF_MEMORY */
+int scan_make_from_file(struct scan_node *node, const char *path);
 
 /* ---- scan_handlers.c ---- */
 

@@ -1,5 +1,6 @@
 /* Node events: what the slave and the network tell, for the node's handler in the NMT daemon. */
 #include "api/callback.h"
+#include "api/control.h"
 #include "api/log.h"
 #include "api/scan.h"
 
@@ -114,10 +115,12 @@ static unsigned long news_of_bus(struct scan_net *net, uint8_t state)
 
 void scan_on_net_event(void *context, struct network *network, const struct co_event *event)
 {
+    const struct scan_event_token token = { .news = *event };
     struct scan_net *net = context;
     struct net_news news = { .what = 0 };
 
-    (void)network;
+    if (!network_has_manager(network)) /* whose daemon logs it */
+        daemon_put(&net->nmt, &token);
     if (event->type == RUNTIME_BUS_STATE)
         news.what = news_of_bus(net, event->detail);
     else if (event->type == RUNTIME_FRAMES_LOST)
@@ -135,13 +138,26 @@ static void call_old(const struct scan_node *node, const SLAVE_EVENT *event)
     node->on_event_old(place, (int)event->ulEvent, (int)event->ulArg1, (int)event->arg.ulArg2);
 }
 
+static void log_news(const struct scan_net *net, const struct co_event *news)
+{
+    char text[CO_REPORT_TEXT_SIZE], full[CO_REPORT_TEXT_SIZE + 64];
+
+    if (!control_bus_text(net->network, news, text, sizeof text))
+        return;
+    snprintf(full, sizeof full, "%s: warning: %s", network_name(net->network), text);
+    log_put(CO_WARNING, full);
+}
+
 void scan_nmt_work(void *context, const void *element)
 {
     const struct scan_event_token *token = element;
     SLAVE_EVENT event = token->event;
     struct scan_node *node;
 
-    (void)context;
+    if (token->node.generation == 0) {
+        log_news(context, &token->news);
+        return;
+    }
     if (scan_enter_token(&token->node, &node) != SCANOPEN_OK)
         return;
     callback_begin();

@@ -103,10 +103,12 @@ static void call_daemon(struct scan_node *node)
 static bool is_for_handlers(const struct scan_node *node, const struct rpdo *rpdo)
 {
     const struct scan_pdo *pdo = scan_pdo(node, false, rpdo->number);
+    bool called;
 
     if (!pdo || pdo->takers > 0)
         return false;
-    return (rpdo->notify || pdo->callers > 0) && has_handlers(&rpdo->map);
+    called = (pdo->mode & AUTO_NOTIFY_PDO) || rpdo->type <= RPDO_SYNC_TYPE_MAX || pdo->callers > 0;
+    return called && has_handlers(&rpdo->map);
 }
 
 void scan_on_rpdo(struct scan_node *node, const struct co_event *event)

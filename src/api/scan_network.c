@@ -15,7 +15,9 @@
 
 static bool is_baudrate(unsigned kbit)
 {
-    static const unsigned rates[] = { 10, 20, 50, 100, 125, 250, 500, 800, 1000 };
+    static const unsigned rates[] = {
+        BAUDRATE_AS_IT_IS, 10, 20, 50, 100, 125, 250, 500, 800, 1000
+    };
 
     for (size_t i = 0; i < sizeof rates / sizeof rates[0]; i++)
         if (rates[i] == kbit)
@@ -123,10 +125,11 @@ static int error_of_open(enum co_err err)
 
 static int open_network(struct scan_net *net, const SLAVE_NET_INFO *info)
 {
+    const unsigned bitrate = info->usBaudrate == BAUDRATE_AS_IT_IS ? 0 : info->usBaudrate;
     char message[CO_REPORT_TEXT_SIZE] = "";
     const struct net_order order = { .number = net->number,
                                      .user = NET_SLAVES,
-                                     .bitrate = info->usBaudrate,
+                                     .bitrate = bitrate,
                                      .sink = scan_on_net_event,
                                      .context = net };
     const enum co_err err = nets_open(&order, &net->network, message, sizeof message);

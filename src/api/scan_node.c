@@ -16,19 +16,27 @@ int scan_node_state(const struct scan_node *node)
 
 /* ---- creating ---- */
 
-struct order {
-    int net, id;
-    const SLAVE_NODE_INFO *info;
-    bool old;
-    PFN_COS_EVENT_HANDLER on_event;
-    PFN_COS_EVENT_HANDLER_OLD on_event_old;
-};
+static int make_pdo_lists(struct scan_node *node, const SLAVE_NODE_INFO *info)
+{
+    node->rpdo_max = info->usRxPDO;
+    node->tpdo_max = info->usTxPDO;
+    node->rpdos = calloc(node->rpdo_max + 1u, sizeof *node->rpdos);
+    node->tpdos = calloc(node->tpdo_max + 1u, sizeof *node->tpdos);
+    return node->rpdos && node->tpdos ? SCANOPEN_OK : SCANOPEN_OUT_OF_MEMORY;
+}
 
-static int make_parts(struct scan_node *node, const struct order *order)
+static int make_by_info(struct scan_node *node, const struct scan_order *order)
+{
+    const struct scan_profile profile = { .info = order->info, .old = order->old, .id = node->id };
+    int result = scan_make_objects(&profile, &node->od);
+
+    return result == SCANOPEN_OK ? make_pdo_lists(node, order->info) : result;
+}
+
+static int make_parts(struct scan_node *node, const struct scan_order *order)
 {
     const SLAVE_NODE_INFO *info = order->info;
-    const struct scan_profile profile = { .info = info, .old = order->old, .id = node->id };
-    int result = scan_make_objects(&profile, &node->od);
+    int result = order->file ? scan_make_from_file(node, order->file) : make_by_info(node, order);
 
     if (result != SCANOPEN_OK)
         return result;
@@ -37,16 +45,13 @@ static int make_parts(struct scan_node *node, const struct order *order)
     node->map_max = info->ucMaxMapped ? info->ucMaxMapped : DEFAULT_MAP_MAX;
     node->on_event = order->on_event;
     node->on_event_old = order->on_event_old;
-    node->rpdo_max = info->usRxPDO;
-    node->tpdo_max = info->usTxPDO;
     node->received_size = info->usPdoRxQueueSize ? info->usPdoRxQueueSize : DEFAULT_QUEUE;
-    node->rpdos = calloc(node->rpdo_max + 1u, sizeof *node->rpdos);
-    node->tpdos = calloc(node->tpdo_max + 1u, sizeof *node->tpdos);
     node->received = calloc(node->received_size, sizeof *node->received);
-    return node->rpdos && node->tpdos && node->received ? SCANOPEN_OK : SCANOPEN_OUT_OF_MEMORY;
+    return node->received ? SCANOPEN_OK : SCANOPEN_OUT_OF_MEMORY;
 }
 
-static int make_node(struct scan_net *net, const struct order *order, struct scan_node **ret_node)
+static int make_node(struct scan_net *net, const struct scan_order *order,
+                     struct scan_node **ret_node)
 {
     struct scan_node *node;
     int result = scan_new_node(&node);
@@ -68,7 +73,7 @@ static int make_node(struct scan_net *net, const struct order *order, struct sca
     return SCANOPEN_OK;
 }
 
-static int create_node(const struct order *order, HNODE *ret_handle)
+int scan_create_node(const struct scan_order *order, HNODE *ret_handle)
 {
     struct scan_net *net;
     struct scan_node *node;
@@ -93,11 +98,11 @@ static int create_node(const struct order *order, HNODE *ret_handle)
 int canOpenCreateNodeEx(int iNetNo, int iModID, PFN_COS_EVENT_HANDLER EventHandler,
                         const SLAVE_NODE_INFO *pSlaveInfo, HNODE *HNode)
 {
-    const struct order order = {
+    const struct scan_order order = {
         .net = iNetNo, .id = iModID, .info = pSlaveInfo, .on_event = EventHandler
     };
 
-    return create_node(&order, HNode);
+    return scan_create_node(&order, HNode);
 }
 
 /* The older form's options are those of the newer one, as far as it has them. */
@@ -124,7 +129,7 @@ int canOpenCreateNode(int NetNo, const char *NodeName, int ModID, unsigned long 
                                    .pszSwVersion = SoftwareVers,
                                    .usGuardTime = GuardTime,
                                    .ucLifeTime = (unsigned char)LifeTime };
-    const struct order order = {
+    const struct scan_order order = {
         .net = NetNo, .id = ModID, .info = &info, .old = true, .on_event_old = EventHandler
     };
 
@@ -135,7 +140,7 @@ int canOpenCreateNode(int NetNo, const char *NodeName, int ModID, unsigned long 
         ((Options & GUARDING) && LifeTime > UINT8_MAX) ||
         ((Options & ADDITIONAL_SDOS) && ServerObjects > UINT8_MAX))
         return SCANOPEN_WRONG_PARAMETER;
-    return create_node(&order, HNode);
+    return scan_create_node(&order, HNode);
 }
 
 /* ---- on the bus, and off ---- */

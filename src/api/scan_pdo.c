@@ -282,10 +282,9 @@ int canOpenDefinePDO(HNODE HNode, const char *Name, uint32_t COBid, uint16_t Tra
 
 static uint8_t flags_of(const struct scan_pdo *pdo, bool transmit)
 {
-    const bool synchronous = is_synchronous(TYPE_OF(pdo->mode));
     uint8_t flags = 0;
 
-    if ((pdo->mode & AUTO_NOTIFY_PDO) || (!transmit && synchronous))
+    if ((pdo->mode & AUTO_NOTIFY_PDO) || !transmit) /* of received ones all is looked at */
         flags |= SLAVE_PDO_NOTIFY;
     if (pdo->mode & TX_DONE_PDO)
         flags |= SLAVE_PDO_CONFIRM;

@@ -253,6 +253,14 @@ enum co_err network_add(struct network *self, uint8_t node, network_sink_fn sink
     return err;
 }
 
+bool network_has_manager(const struct network *self)
+{
+    for (unsigned i = 0; i < self->device_count; i++)
+        if (self->devices[i].manager)
+            return true;
+    return false;
+}
+
 static enum co_err take_device(struct network *self, struct device *device)
 {
     const enum co_err err = network_forget(self, device);

@@ -64,6 +64,8 @@ enum co_err network_add(struct network *self, uint8_t node, network_sink_fn sink
  */
 enum co_err network_set_slave(struct network *self, uint8_t node, struct slave *slave);
 enum co_err network_set_manager(struct network *self, uint8_t node, struct manager *manager);
+/* Under the lock. */
+bool network_has_manager(const struct network *self);
 /* Ends what waits in network_wait() for this place, now and from now on. */
 void network_retire(struct network *self, uint8_t node);
 /* Nobody may wait for the place any more; no event of it comes any more. */

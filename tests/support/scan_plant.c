@@ -132,9 +132,14 @@ HNODE scan_node(struct scan_plant *self, int id, const SLAVE_NODE_INFO *info)
     ck_assert_int_eq(canOpenCreateNodeEx(self->net, id, scan_on_event, info ? info : &usual, &node),
                      SCANOPEN_OK);
     ck_assert_ptr_nonnull(node);
+    scan_plant_keep(self, node, id);
+    return node;
+}
+
+void scan_plant_keep(struct scan_plant *self, HNODE node, int id)
+{
     self->ids[self->node_count] = id;
     self->nodes[self->node_count++] = node;
-    return node;
 }
 
 int scan_id(const struct scan_plant *self, HNODE node)

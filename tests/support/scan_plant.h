@@ -56,6 +56,8 @@ const char *scan_bus_name(const struct scan_plant *self);
 SLAVE_NODE_INFO scan_info(void);
 /* A node with scan_on_event; info NULL: scan_info(). scan_plant_free() removes it. */
 HNODE scan_node(struct scan_plant *self, int id, const SLAVE_NODE_INFO *info);
+/* A node made otherwise: scan_plant_free() removes it, too. */
+void scan_plant_keep(struct scan_plant *self, HNODE node, int id);
 /* Its node-ID. */
 int scan_id(const struct scan_plant *self, HNODE node);
 /* Activates, and takes the boot-up message from the bus. */

@@ -325,7 +325,6 @@ END_TEST
 
 START_TEST(nothing_comes)
 {
-    const uint16_t others[] = { 0x2002, 0, 0, 0 };
     HPDO at_once = make(DEFAULT_PDO1, RECEIVE_PDO | 255, 0, 0, outputs);
     HPDO soon = make(DEFAULT_PDO2, RECEIVE_PDO | 255, 0, 20, others);
     uint8_t buffer[8] = { 9 };

@@ -59,6 +59,7 @@ enum slave_event {
      */
     SLAVE_RPDO,
     SLAVE_TPDO_WANTED,    /* node, index (number), code: for slave_tpdo_answer() */
+    SLAVE_RPDO_REFUSED,   /* node, index (number): one that is waited for has a wrong length */
     SLAVE_RPDO_ASKED,     /* node, index (number): a remote frame of its own for it is on the bus */
     SLAVE_TPDO_CONFIRMED, /* node, index (number): its frame is on the bus */
     /*

@@ -240,9 +240,21 @@ void slave_step_rpdo(struct slave *self, struct rpdo *rpdo, co_us_t now, struct 
     pass_on(self, rpdo, &inner, now, out);
 }
 
+/* Unlike the fault, each time. */
+static void tell_refused(const struct slave *self, const struct rpdo *rpdo, struct co_outbox *out)
+{
+    const struct co_event event = { .type = SLAVE_RPDO_REFUSED,
+                                    .node = self->node,
+                                    .index = rpdo->number };
+
+    if (co_outbox_room(out, 0, 1))
+        co_outbox_put_event(out, &event);
+}
+
 static void receive_rpdo(struct slave *self, struct rpdo *rpdo, const struct co_frame *frame,
                          co_us_t now, struct co_outbox *out)
 {
+    const unsigned errors = rpdo->errors;
     struct co_event events[2];
     struct co_outbox inner;
 
@@ -253,6 +265,8 @@ static void receive_rpdo(struct slave *self, struct rpdo *rpdo, const struct co_
     init_inner(&inner, events, out);
     rpdo_on_frame(rpdo, frame, self->accept_long, now, &inner);
     pass_on(self, rpdo, &inner, now, out);
+    if (rpdo->waiters > 0 && rpdo->errors != errors)
+        tell_refused(self, rpdo, out);
 }
 
 enum co_err slave_rpdo_request(struct slave *self, uint16_t number, co_us_t now,

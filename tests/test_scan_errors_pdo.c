@@ -1,4 +1,5 @@
 /* What the functions for PDOs refuse. */
+#include "port/clock.h"
 #include "support/scan_plant.h"
 #include "support/suite.h"
 
@@ -372,8 +373,9 @@ START_TEST(another_length_than_the_mapping)
 {
     const char *const frames[] = { "205#", "205#0102" };
     struct waiting waiting = { .call = receives[_i % 2],
-                               .pdo = make(DEFAULT_PDO1, RECEIVE_PDO | 255, 0, 5000, outputs),
+                               .pdo = make(DEFAULT_PDO1, RECEIVE_PDO | 255, 0, 20000, outputs),
                                .buffer = { 9 } };
+    co_us_t start = clock_now();
 
     scan_activate(plant, node);
     scan_operational(plant, node);
@@ -384,6 +386,7 @@ START_TEST(another_length_than_the_mapping)
     }
     ck_assert_int_eq(pthread_join(waiting.thread, NULL), 0);
     ck_assert_int_eq(waiting.result, SCANOPEN_LENGTH_MISMATCH);
+    ck_assert_uint_lt(clock_now() - start, CO_MS(10000)); /* it did not wait for its time to end */
     ck_assert_uint_eq(waiting.buffer[0], 9);
 }
 END_TEST

@@ -275,6 +275,11 @@ struct co_outbox *scan_lock(struct scan_node *node, co_us_t *ret_now)
     return network_enter(node->net->network, ret_now);
 }
 
+struct co_outbox *scan_lock_untimed(struct scan_node *node, co_us_t *ret_now)
+{
+    return network_enter_untimed(node->net->network, ret_now);
+}
+
 void scan_unlock(struct scan_node *node)
 {
     network_leave(node->net->network, node->id);

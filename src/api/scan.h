@@ -146,6 +146,8 @@ struct scan_token scan_token(const struct scan_node *node);
 
 /* The network's lock, and the outbox; scan_unlock() sends what was put there. */
 struct co_outbox *scan_lock(struct scan_node *node, co_us_t *ret_now);
+/* The same, with the time of the last step, where mostly none is needed: see network_clock(). */
+struct co_outbox *scan_lock_untimed(struct scan_node *node, co_us_t *ret_now);
 void scan_unlock(struct scan_node *node);
 
 /* Under the network's lock: for each node of the network that calls can enter. */

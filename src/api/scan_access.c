@@ -200,8 +200,10 @@ static int write_place(struct scan_node *node, const struct place *place, const 
     co_us_t now;
     int result;
 
-    out = scan_lock(node, &now);
+    out = scan_lock_untimed(node, &now);
     result = find_entry(node, place, &entry);
+    if (result == SCANOPEN_OK && node->active && slave_entry_is_timed(&node->slave, entry))
+        now = network_clock(node->net->network);
     if (result == SCANOPEN_OK && data)
         result = write_entry(entry, data);
     if (result == SCANOPEN_OK)

@@ -19,7 +19,7 @@ int scan_error_of_send(enum co_err err)
 static int wait_confirmed(struct scan_node *node, struct scan_pdo *pdo, unsigned before)
 {
     const co_us_t limit = pdo->tx_timeout
-                              ? network_time(node->net->network) + CO_MS(pdo->tx_timeout)
+                              ? network_clock(node->net->network) + CO_MS(pdo->tx_timeout)
                               : CO_NEVER;
     enum co_err err = CO_OK;
 
@@ -112,6 +112,8 @@ static int write_pdo(struct scan_node *node, uint16_t number, const uint8_t *buf
     result = buffer ? take_buffer(tpdo, buffer) : SCANOPEN_OK;
     if (result != SCANOPEN_OK)
         return result;
+    if (tpdo_is_timed(tpdo))
+        now = network_clock(node->net->network);
     result = scan_error_of_send(slave_pdo_send(&node->slave, number, now, out));
     if (result == SCANOPEN_OK && (pdo->mode & TX_DONE_PDO))
         return wait_confirmed(node, pdo, before);
@@ -129,7 +131,7 @@ int canOpenWritePDO(HPDO Hpdo, const void *buffer)
 
     if (result != SCANOPEN_OK)
         return result;
-    out = scan_lock(node, &now);
+    out = scan_lock_untimed(node, &now);
     if (transmit)
         result = write_pdo(node, number, buffer, now, out);
     else

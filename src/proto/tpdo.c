@@ -199,10 +199,17 @@ static bool is_answered(struct tpdo *self, co_us_t now)
 
 /* ---- sending ---- */
 
+bool tpdo_is_timed(const struct tpdo *self)
+{
+    return self->inhibit > 0 || self->period > 0 || self->due || self->requested ||
+           self->sampling || self->asking != TPDO_FREE;
+}
+
 static bool may_be_sent(const struct tpdo *self, co_us_t now)
 {
     return self->due || self->requested ||
-           (self->event && is_event_driven(self) && now >= self->not_before);
+           (self->event && is_event_driven(self) &&
+            (self->inhibit == 0 || now >= self->not_before));
 }
 
 static void watch_timer(struct tpdo *self, co_us_t now)

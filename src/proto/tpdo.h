@@ -102,6 +102,10 @@ void tpdo_stop(struct tpdo *self);
 /* Not running, and nothing was ever sent. */
 void tpdo_reset(struct tpdo *self);
 
+/*
+ * What it does about an event depends on the time. If not, tpdo_on_time() may be told of an old one.
+ */
+bool tpdo_is_timed(const struct tpdo *self);
 /* Types 0, 254 and 255: there is new data. Sent by tpdo_on_time(), which is due when it may. */
 void tpdo_trigger(struct tpdo *self);
 /* A SYNC; what is to be sent or taken because of it is done by tpdo_on_time(). */

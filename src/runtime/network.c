@@ -67,7 +67,7 @@ static void deliver(struct network *self, const struct bus_rx *rx)
         if (sent_here && frame.tag == device->node)
             frame.flags |= CO_FRAME_OWN;
         device_on_frame(device, &frame, rx->time, &self->out);
-        network_drain(self, device, rx->time);
+        network_drain(self, device);
     }
 }
 
@@ -98,7 +98,7 @@ static void run_due(struct network *self, co_us_t now)
         if (device_deadline(device) > now)
             continue;
         device_on_time(device, now, &self->out);
-        network_drain(self, device, now);
+        network_drain(self, device);
     }
 }
 
@@ -345,7 +345,7 @@ enum co_err network_start(struct network *self)
     now = clock_now();
     for (unsigned i = 0; i < self->device_count; i++) {
         device_start(&self->devices[i], now, &self->out);
-        network_drain(self, &self->devices[i], now);
+        network_drain(self, &self->devices[i]);
     }
     network_flush(self, now);
     lock_give(&self->lock);
@@ -395,10 +395,22 @@ void network_explain(const struct network *self, char *text, size_t size)
 
 struct co_outbox *network_enter(struct network *self, co_us_t *ret_now)
 {
+    network_enter_untimed(self, ret_now);
+    *ret_now = network_clock(self);
+    return &self->out;
+}
+
+struct co_outbox *network_enter_untimed(struct network *self, co_us_t *ret_now)
+{
     lock_take(&self->lock);
-    self->now = clock_now();
     *ret_now = self->now;
     return &self->out;
+}
+
+co_us_t network_clock(struct network *self)
+{
+    self->now = clock_now();
+    return self->now;
 }
 
 void network_hold(struct network *self)
@@ -428,7 +440,7 @@ static bool send_out(struct network *self, uint8_t node)
     struct device nobody = { .node = node };
     struct device *device = network_device(self, node);
 
-    network_drain(self, device ? device : &nobody, now);
+    network_drain(self, device ? device : &nobody);
     network_flush(self, now);
     if (next_deadline(self) < self->sleeps_until)
         bus_wake(self->bus);

@@ -90,6 +90,13 @@ void network_explain(const struct network *self, char *text, size_t size);
 
 /* Takes the lock; the devices' outbox, and the time. */
 struct co_outbox *network_enter(struct network *self, co_us_t *ret_now);
+/*
+ * As network_enter(), for calls that have to be fast and mostly need no time: it is that of the last
+ * step or call, until network_clock() is asked.
+ */
+struct co_outbox *network_enter_untimed(struct network *self, co_us_t *ret_now);
+/* Between enter and leave: looks at the clock; also what network_time() says from now on. */
+co_us_t network_clock(struct network *self);
 /* Sends what the device of this node-ID has put out and gives the lock. */
 void network_leave(struct network *self, uint8_t node);
 /* The lock alone, for a look at a device: nothing may be put out or change its deadlines. */

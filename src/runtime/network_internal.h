@@ -68,7 +68,7 @@ struct device *network_device(struct network *self, uint8_t node);
 /* To the network's sink. */
 void network_tell(struct network *self, struct co_event event);
 /* Sends what this device has put out, and tells its events. */
-void network_drain(struct network *self, struct device *device, co_us_t now);
+void network_drain(struct network *self, struct device *device);
 /* Sends what waits, looks at the bus, and tells what is to be told. */
 void network_flush(struct network *self, co_us_t now);
 

@@ -19,14 +19,14 @@ static bool is_lost(enum bus_state state)
 }
 
 /* False: the bus does not keep up, or is lost, or refuses. */
-static bool send_frame(struct network *self, const struct co_frame *frame, co_us_t now)
+static bool send_frame(struct network *self, const struct co_frame *frame)
 {
     enum co_err err = bus_send(self->bus, frame);
 
     if (err == CO_OK)
         self->refused_until = 0;
     else if (err != CO_ERR_AGAIN && !is_lost(bus_get_state(self->bus)))
-        self->refused_until = now + REFUSED;
+        self->refused_until = network_clock(self) + REFUSED;
     if (err == CO_ERR_AGAIN && !self->busy_told) {
         self->busy_told = true;
         network_tell(self, (struct co_event){ .type = RUNTIME_BUSY });
@@ -35,14 +35,14 @@ static bool send_frame(struct network *self, const struct co_frame *frame, co_us
 }
 
 /* Frames wait only while the bus does not keep up; then the most urgent one is first. */
-static void put_frame(struct network *self, const struct co_frame *frame, co_us_t now)
+static void put_frame(struct network *self, const struct co_frame *frame)
 {
-    if (tx_queue_first(&self->tx) != NULL || !send_frame(self, frame, now))
-        tx_queue_put(&self->tx, frame, now);
+    if (tx_queue_first(&self->tx) != NULL || !send_frame(self, frame))
+        tx_queue_put(&self->tx, frame, network_clock(self));
 }
 
 /* Takes what a device has put out; a full queue costs frames, with a count, never time. */
-void network_drain(struct network *self, struct device *device, co_us_t now)
+void network_drain(struct network *self, struct device *device)
 {
     struct co_frame frame;
     struct co_event event;
@@ -50,7 +50,7 @@ void network_drain(struct network *self, struct device *device, co_us_t now)
     network_follow(self, device);
     while (co_outbox_take_frame(&self->out, &frame)) {
         frame.tag = device->node;
-        put_frame(self, &frame, now);
+        put_frame(self, &frame);
     }
     while (co_outbox_take_event(&self->out, &event)) {
         self->has_events = true;
@@ -78,11 +78,11 @@ static void tell_managers(struct network *self, bool up, co_us_t now)
         if (!self->devices[i].manager)
             continue;
         manager_on_bus(self->devices[i].manager, up, now, &self->out);
-        network_drain(self, &self->devices[i], now);
+        network_drain(self, &self->devices[i]);
     }
 }
 
-static void change_state(struct network *self, enum bus_state state, co_us_t now)
+static void change_state(struct network *self, enum bus_state state)
 {
     enum bus_state before = self->bus_state;
 
@@ -91,7 +91,7 @@ static void change_state(struct network *self, enum bus_state state, co_us_t now
     self->bus_state = state;
     network_tell(self, (struct co_event){ .type = RUNTIME_BUS_STATE, .detail = (uint8_t)state });
     if (is_lost(before) != is_lost(state))
-        tell_managers(self, !is_lost(state), now);
+        tell_managers(self, !is_lost(state), network_clock(self));
 }
 
 /* A connection that was lost and is back before anybody has looked was lost all the same. */
@@ -105,9 +105,9 @@ static void look_at_bus(struct network *self, co_us_t now)
     if ((self->refused_until > 0 || self->receive_fails) && !is_lost(state))
         state = BUS_DOWN;
     if (outages != self->outages && !is_lost(state) && !is_lost(self->bus_state))
-        change_state(self, BUS_DOWN, now);
+        change_state(self, BUS_DOWN);
     self->outages = outages;
-    change_state(self, state, now);
+    change_state(self, state);
 }
 
 static void send_frames(struct network *self, co_us_t now)
@@ -115,7 +115,7 @@ static void send_frames(struct network *self, co_us_t now)
     const struct co_frame *frame;
 
     while ((frame = tx_queue_first(&self->tx)) != NULL) {
-        if (send_frame(self, frame, now))
+        if (send_frame(self, frame))
             tx_queue_sent(&self->tx);
         else if (!tx_queue_give_up(&self->tx, now))
             return;
@@ -124,6 +124,8 @@ static void send_frames(struct network *self, co_us_t now)
 
 void network_flush(struct network *self, co_us_t now)
 {
+    if (tx_queue_first(&self->tx) != NULL)
+        now = network_clock(self);
     send_frames(self, now);
     look_at_bus(self, now);
     self->tx_retry = CO_NEVER;

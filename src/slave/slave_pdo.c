@@ -60,7 +60,7 @@ static enum co_err send_now(struct slave *self, struct tpdo *tpdo, co_us_t now,
     slave_step_tpdo(self, tpdo, now, out);
     if (!tpdo->event || tpdo->type == 0 || tpdo->asking == TPDO_ASKING)
         return CO_OK;
-    return now < tpdo->not_before ? CO_ERR_INHIBITED : CO_ERR_AGAIN;
+    return tpdo->inhibit > 0 && now < tpdo->not_before ? CO_ERR_INHIBITED : CO_ERR_AGAIN;
 }
 
 static bool is_event_driven(const struct tpdo *tpdo)
@@ -140,6 +140,22 @@ enum co_err slave_entry_changed(struct slave *self, struct od_entry *entry, co_u
     if (entry->index <= LAST_COMMUNICATION_OBJECT)
         slave_take_over(self, entry->index, entry->sub, now, out);
     return entry->map_count == 0 ? CO_OK : slave_mapped_changed(self, entry, now, out);
+}
+
+bool slave_entry_is_timed(const struct slave *self, const struct od_entry *entry)
+{
+    struct slave_pdos *pdos = self->pdos;
+    const struct slave_mapped *mapped;
+
+    if (entry->index <= LAST_COMMUNICATION_OBJECT)
+        return true;
+    if (entry->map_count == 0)
+        return false;
+    mapped = slave_tpdos_of(pdos, entry);
+    for (; !is_mapped_end(pdos, mapped, entry); mapped++)
+        if (tpdo_is_timed(&pdos->tpdos[mapped->tpdo]))
+            return true;
+    return false;
 }
 
 bool slave_entry_is_sent(const struct slave *self, const struct od_entry *entry)

@@ -57,6 +57,8 @@ enum co_err slave_pdo_send(struct slave *self, uint16_t number, co_us_t now, str
  */
 enum co_err slave_entry_changed(struct slave *self, struct od_entry *entry, co_us_t now,
                                 struct co_outbox *out);
+/* What slave_entry_changed() does depends on the time. If not, it may be told of an old one. */
+bool slave_entry_is_timed(const struct slave *self, const struct od_entry *entry);
 /* A TPDO of type 254 or 255 with SLAVE_PDO_NOTIFY maps it. */
 bool slave_entry_is_sent(const struct slave *self, const struct od_entry *entry);
 

@@ -90,8 +90,6 @@ static void consume(struct slave *self, uint8_t counter, co_us_t now, struct co_
                                     .answer_end = now + answer_time(self),
                                     .window_end = window > 0 ? now + window : CO_NEVER };
 
-    if (self->state != NMT_OPERATIONAL)
-        return;
     self->window_end = sync.window_end;
     slave_sync_pdos(self, &sync, now, out);
 }

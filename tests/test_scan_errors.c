@@ -252,7 +252,7 @@ START_TEST(networks_that_cannot_be_created)
 }
 END_TEST
 
-static const unsigned short no_bitrates[] = { 0, 1, 9, 11, 499, 501, 999, 1001, 65535 };
+static const unsigned short no_bitrates[] = { 0, 1, 9, 11, 499, 501, 999, 1001, 65534 };
 
 START_TEST(bit_rates_that_are_none)
 {

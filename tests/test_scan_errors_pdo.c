@@ -15,6 +15,7 @@ static HNODE node;
 
 static const uint16_t outputs[] = { 0x2000, 0, 0, 0 };
 static const uint16_t inputs[] = { 0x2001, 0, 0, 0 };
+static const uint16_t others[] = { 0x2002, 0, 0, 0 };
 
 /* 2000h..2004h: for RPDOs, for TPDOs, for both and many, not mappable, of four bytes. */
 static void set_up(void)

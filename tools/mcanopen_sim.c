@@ -58,6 +58,7 @@ struct sim {
     const char *bus;
     int net; /* -1: the first */
     bool quiet, verbose;
+    bool opening; /* the bus: what is said then is about it */
     struct network_config *networks;
     size_t network_count;
     const struct network_config *config; /* NULL: without a file */
@@ -77,6 +78,10 @@ static void print_message(void *context, enum co_severity severity, const char *
 /* What the library says. */
 static void on_log(void *context, int level, const char *text)
 {
+    const struct sim *self = context;
+
+    if (self->opening)
+        fputs("mcanopen sim: ", stderr);
     print_message(context, level == MCANOPEN_LOG_ERROR ? CO_ERROR : CO_WARNING, text);
 }
 
@@ -265,8 +270,10 @@ static int simulate(struct sim *self)
     name_bus(self, bus, sizeof bus);
     if (self->config && self->config->baudrate != 0)
         info.usBaudrate = (unsigned short)self->config->baudrate;
+    self->opening = true;
     if (canOpenCreateNetworkEx(network_number(self), &info) != SCANOPEN_OK)
         return EXIT_BUS;
+    self->opening = false;
     if (make_devices(self) && begin_values(self))
         result = run(self, bus);
     free_devices(self);

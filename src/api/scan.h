@@ -85,7 +85,8 @@ struct scan_node {
     struct scan_net *net;
     uint8_t id;
     bool active; /* on the bus: slave is there */
-    bool held;   /* PARAM_DISABLE_AUTO_TRANSMISSION */
+    bool from_file;
+    bool held; /* PARAM_DISABLE_AUTO_TRANSMISSION */
     unsigned long options, event_mask;
     unsigned char map_max;
     PFN_COS_EVENT_HANDLER on_event;

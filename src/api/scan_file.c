@@ -74,6 +74,7 @@ int scan_make_from_file(struct scan_node *node, const char *path)
 {
     int result = fill_dictionary(node, path);
 
+    node->from_file = true;
     if (result == SCANOPEN_OK)
         result = make_pdos(node);
     if (result == SCANOPEN_OK)

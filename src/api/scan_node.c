@@ -156,6 +156,7 @@ static int activate(struct scan_node *node, co_us_t now, struct co_outbox *out)
     if (err != CO_OK)
         return SCANOPEN_OUT_OF_MEMORY;
     node->slave.accept_long = (node->options & PDO_ACCEPT_LONG) != 0;
+    node->slave.assume_sync = node->from_file; /* many files leave 1005h out */
     scan_set_pdo_flags(node);
     if (network_set_slave(node->net->network, node->id, &node->slave) != CO_OK) {
         slave_done(&node->slave);

@@ -95,20 +95,27 @@ static int take_buffer(const struct tpdo *tpdo, const uint8_t *buffer)
     return SCANOPEN_OK;
 }
 
+static int check_sendable(const struct scan_node *node, const struct scan_pdo *pdo,
+                          const struct tpdo *tpdo)
+{
+    if ((pdo->mode & TX_DONE_PDO) && callback_running())
+        return SCANOPEN_SERVICE_NOT_ALLOWED;
+    if (scan_node_state(node) != NodeOperational || !tpdo)
+        return SCANOPEN_WRONG_NODESTATE;
+    return tpdo->type >= TPDO_EVENT && tpdo_is_valid(tpdo) ? SCANOPEN_OK
+                                                           : SCANOPEN_SERVICE_NOT_ALLOWED;
+}
+
 static int write_pdo(struct scan_node *node, uint16_t number, const uint8_t *buffer, co_us_t now,
                      struct co_outbox *out)
 {
     struct scan_pdo *pdo = scan_pdo(node, true, number);
     const struct tpdo *tpdo = node->active ? slave_tpdo(&node->slave, number) : NULL;
     const unsigned before = pdo->confirmed;
-    int result;
+    int result = check_sendable(node, pdo, tpdo);
 
-    if ((pdo->mode & TX_DONE_PDO) && callback_running())
-        return SCANOPEN_SERVICE_NOT_ALLOWED;
-    if (scan_node_state(node) != NodeOperational || !tpdo)
-        return SCANOPEN_WRONG_NODESTATE;
-    if (tpdo->type < TPDO_EVENT || !tpdo_is_valid(tpdo))
-        return SCANOPEN_SERVICE_NOT_ALLOWED;
+    if (result != SCANOPEN_OK)
+        return result;
     result = buffer ? take_buffer(tpdo, buffer) : SCANOPEN_OK;
     if (result != SCANOPEN_OK)
         return result;

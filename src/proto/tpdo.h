@@ -102,9 +102,7 @@ void tpdo_stop(struct tpdo *self);
 /* Not running, and nothing was ever sent. */
 void tpdo_reset(struct tpdo *self);
 
-/*
- * What it does about an event depends on the time. If not, tpdo_on_time() may be told of an old one.
- */
+/* What it does about an event depends on the time; else tpdo_on_time() may be told an old one. */
 bool tpdo_is_timed(const struct tpdo *self);
 /* Types 0, 254 and 255: there is new data. Sent by tpdo_on_time(), which is due when it may. */
 void tpdo_trigger(struct tpdo *self);

@@ -91,8 +91,8 @@ void network_explain(const struct network *self, char *text, size_t size);
 /* Takes the lock; the devices' outbox, and the time. */
 struct co_outbox *network_enter(struct network *self, co_us_t *ret_now);
 /*
- * As network_enter(), for calls that have to be fast and mostly need no time: it is that of the last
- * step or call, until network_clock() is asked.
+ * As network_enter(), for calls that have to be fast and mostly need no time: it is that of the
+ * last step or call, until network_clock() is asked.
  */
 struct co_outbox *network_enter_untimed(struct network *self, co_us_t *ret_now);
 /* Between enter and leave: looks at the clock; also what network_time() says from now on. */

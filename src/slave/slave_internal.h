@@ -24,8 +24,8 @@ struct slave_write {
     struct od_entry *entry;
     const uint8_t *value;
     uint32_t size;
-    uint64_t number; /* the value as one */
-    bool knows_sync; /* the device does */
+    uint64_t number;  /* the value as one */
+    bool assume_sync; /* as in struct slave */
 };
 
 /* slave_objects.c: the rules of the communication objects. */
@@ -147,7 +147,6 @@ enum co_err slave_mapped_changed(struct slave *self, const struct od_entry *entr
 /* slave_sync.c: 1005h, 1006h, 1007h, 1019h. */
 /* Those that are taken over; the window is looked up with each SYNC. */
 bool slave_is_sync_object(uint16_t index);
-bool slave_knows_sync(const struct slave *self);
 void slave_configure_sync(struct slave *self);
 void slave_enable_sync(struct slave *self, bool enabled);
 /* PDOs have changed: does anything depend on SYNC? */

@@ -225,7 +225,7 @@ static bool lacks_sync(const struct slave_write *write)
 {
     const bool synchronous = write->number <= 240 || write->number == 252;
 
-    return synchronous && !write->knows_sync &&
+    return synchronous && !write->assume_sync && !od_has_object(write->od, 0x1005) &&
            !slave_is_default(write->entry, write->value, write->size);
 }
 

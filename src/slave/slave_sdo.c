@@ -49,7 +49,7 @@ static struct slave_write received_write(const struct slave *self)
                                  .value = value,
                                  .size = server->size,
                                  .number = get_le(value, server->size < 8 ? server->size : 8),
-                                 .knows_sync = slave_knows_sync(self) };
+                                 .assume_sync = self->assume_sync };
 }
 
 static bool changes(const struct slave_write *write)
@@ -71,51 +71,53 @@ static sdo_abort_t store_value(struct slave *self, const struct slave_write *wri
 }
 
 /* Stores the value if the code says so, and answers. */
-static void finish_write(struct slave *self, sdo_abort_t code, co_us_t now, struct co_outbox *out)
+static void finish_write(struct slave *self, const struct slave_write *write, sdo_abort_t code,
+                         co_us_t now, struct co_outbox *out)
 {
-    const struct slave_write write = received_write(self);
     const struct co_event event = { .type = SLAVE_WRITTEN,
                                     .node = self->node,
-                                    .index = write.entry->index,
-                                    .sub = write.entry->sub,
-                                    .actual = write.number };
-    const bool other = write.entry->map_count > 0 && changes(&write);
+                                    .index = write->entry->index,
+                                    .sub = write->entry->sub,
+                                    .actual = write->number };
+    const bool other = write->entry->map_count > 0 && changes(write);
 
     if (code == SDO_OK)
-        code = store_value(self, &write);
+        code = store_value(self, write);
     sdo_server_verdict(&self->server, code, now, out);
     if (code != SDO_OK)
         return;
     co_outbox_put_event(out, &event);
     slave_take_over(self, event.index, event.sub, now, out);
     if (other)
-        slave_mapped_changed(self, write.entry, now, out);
+        slave_mapped_changed(self, write->entry, now, out);
 }
 
 /* What the device itself has against it comes before the application is asked. */
-static void ask_for_verdict(struct slave *self, const struct co_event *received, co_us_t now,
+static void ask_for_verdict(struct slave *self, const struct slave_write *write, co_us_t now,
                             struct co_outbox *out)
 {
-    const struct slave_write write = received_write(self);
-    const sdo_abort_t code = slave_check_write(&write);
-    struct co_event event = *received;
+    const sdo_abort_t code = slave_check_write(write);
+    const struct co_event event = { .type = SLAVE_VERDICT,
+                                    .node = self->node,
+                                    .index = write->entry->index,
+                                    .sub = write->entry->sub,
+                                    .actual = write->size,
+                                    .code = self->server.number };
 
-    if (code != SDO_OK) {
+    if (code == SDO_OK)
+        co_outbox_put_event(out, &event);
+    else
         sdo_server_verdict(&self->server, code, now, out);
-        return;
-    }
-    event.type = SLAVE_VERDICT;
-    event.node = self->node;
-    co_outbox_put_event(out, &event);
 }
 
-static void take_write(struct slave *self, const struct co_event *received, co_us_t now,
-                       struct co_outbox *out)
+static void take_write(struct slave *self, co_us_t now, struct co_outbox *out)
 {
-    if (od_find(self->od, received->index, received->sub)->watched)
-        ask_for_verdict(self, received, now, out);
+    const struct slave_write write = received_write(self);
+
+    if (write.entry->watched)
+        ask_for_verdict(self, &write, now, out);
     else
-        finish_write(self, SDO_OK, now, out);
+        finish_write(self, &write, SDO_OK, now, out);
 }
 
 static bool waits_for_verdict(const struct slave *self, uint32_t number, co_us_t now)
@@ -128,11 +130,15 @@ static bool waits_for_verdict(const struct slave *self, uint32_t number, co_us_t
 
 static void execute_verdict(struct slave *self, co_us_t now, struct co_outbox *out)
 {
+    struct slave_write write;
+
     if (!self->verdict_due || !has_room(out))
         return;
     self->verdict_due = false;
-    if (waits_for_verdict(self, self->verdict_number, now))
-        finish_write(self, self->verdict, now, out);
+    if (!waits_for_verdict(self, self->verdict_number, now))
+        return;
+    write = received_write(self);
+    finish_write(self, &write, self->verdict, now, out);
 }
 
 void slave_verdict(struct slave *self, uint32_t number, sdo_abort_t code, co_us_t now,
@@ -163,7 +169,7 @@ static void step_server(struct slave *self, const struct co_frame *request, co_u
         co_outbox_put_frame(out, &frame);
     while (co_outbox_take_event(&inner, &event))
         if (event.type == PROTO_SDO_WRITE)
-            take_write(self, &event, now, out);
+            take_write(self, now, out);
 }
 
 static void refuse_history(struct slave *self, const struct co_frame *request, co_us_t now,

@@ -16,7 +16,7 @@ bool slave_is_sync_object(uint16_t index)
     return index == COB_ID_SYNC || index == CYCLE_PERIOD || index == COUNTER_OVERFLOW;
 }
 
-bool slave_knows_sync(const struct slave *self)
+static bool knows_sync(const struct slave *self)
 {
     return self->assume_sync || od_has_object(self->od, COB_ID_SYNC);
 }
@@ -33,8 +33,7 @@ static bool produces(const struct slave *self)
 
 void slave_update_sync_consumer(struct slave *self)
 {
-    self->consumes_sync = slave_knows_sync(self) &&
-                          (produces(self) || slave_has_synchronous_pdo(self));
+    self->consumes_sync = knows_sync(self) && (produces(self) || slave_has_synchronous_pdo(self));
     self->listen_generation++;
 }
 

@@ -42,7 +42,7 @@ class Values(plant.PlantTest):
         """it rises, and begins anew"""
         dump = self.start_device("--ramp", "5:6000:1=0..100/200/5")
         process = dump.process
-        process.wait_until(lambda: self.falls(self.ramp(dump)) >= 2, "two ramps")
+        process.wait_until(lambda _: self.falls(self.ramp(dump)) >= 2, "two ramps")
         values = self.ramp(dump)
         self.assertLess(max(values), 100)
         self.assertGreater(len(set(values)), 3)

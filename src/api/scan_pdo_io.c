@@ -84,10 +84,13 @@ int scan_wait_sent(struct scan_node *node, const struct scan_sending *sending, i
 /* All of it, or nothing: a value that its entry does not allow changes none. */
 static int take_buffer(const struct tpdo *tpdo, const uint8_t *buffer)
 {
+    uint8_t data[8] = { 0 };
+
+    memcpy(data, buffer, pdo_map_size(&tpdo->map)); /* there are no more */
     for (unsigned pass = 0; pass < 2; pass++)
         for (unsigned i = 0; i < tpdo->map.count; i++) {
             struct od_entry *entry = tpdo->map.fields[i].entry;
-            const sdo_abort_t code = scan_take_field(&tpdo->map.fields[i], buffer, pass == 1);
+            const sdo_abort_t code = scan_take_field(&tpdo->map.fields[i], data, pass == 1);
 
             if (entry && code != SDO_OK)
                 return scan_error_of_value(code);

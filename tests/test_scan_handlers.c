@@ -39,7 +39,7 @@ static void go(void)
 {
     scan_activate(plant, node);
     scan_operational(plant, node);
-    scan_notes_clear();
+    scan_await_note("event 0/5 STATE_CHANGE 5 0");
     scan_forget(plant);
 }
 
@@ -412,7 +412,8 @@ START_TEST(the_event_timer_asks_for_data)
 {
     add_inputs();
     define(DEFAULT_PDO1, TRANSMIT_PDO | TIMER_DRIVEN_PDO | AUTO_NOTIFY_PDO | 255, 50, inputs);
-    go();
+    scan_activate(plant, node);
+    scan_operational(plant, node);
     scan_await_note("wanted 0/5 2000:00 0");
     scan_await(plant, "185#4142");
     scan_await(plant, "185#4344");

@@ -189,9 +189,11 @@ MCANOPEN_API int canOpenInitDictionaryTS(HNODE HNode, unsigned short Index, unsi
 
 /*
  * Reads an entry of the node's own dictionary, in any state. Data points to the number, in the size
- * of its type, or else to a pointer: to the first byte of a string or domain (a NUL follows it), or
- * to the CAN_TIME_OF_DAY or CAN_TIME_DIFFERENCE. What the pointer names is valid until the entry is
- * next written or deleted. The access rights of SDO clients do not apply.
+ * of its type (4 bytes for INTEGER24, 8 for those of 40 to 56 bits), or else to a pointer: to the
+ * first byte of a string or domain, or to the CAN_TIME_OF_DAY or CAN_TIME_DIFFERENCE. What the
+ * pointer names is valid until the entry is next written or deleted. Behind a string that clients
+ * may write there is a NUL where its memory has room for it. Entries without any right for SDO
+ * clients can be read, those that clients can only write cannot.
  *
  *   SCANOPEN_WRONG_INDEX, SCANOPEN_WRONG_SUBINDEX  no such entry
  *   SCANOPEN_WRONG_TYPE                            the entry was never initialized

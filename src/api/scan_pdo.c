@@ -223,6 +223,20 @@ static int add_objects(struct scan_node *node, const struct definition *pdo)
     return SCANOPEN_OUT_OF_MEMORY;
 }
 
+static void count_map(struct scan_node *node, uint16_t index)
+{
+    const uint64_t count = od_number(&node->od, index, 0, 0);
+
+    for (unsigned sub = 1; sub <= count; sub++) {
+        const uint64_t mapped = od_number(&node->od, index, (uint8_t)sub, 0);
+        struct od_entry *entry = od_find(&node->od, (uint16_t)(mapped >> 16),
+                                         (uint8_t)(mapped >> 8));
+
+        if (entry)
+            entry->map_count++;
+    }
+}
+
 static int define(struct scan_node *node, struct definition *pdo, HPDO *ret_handle)
 {
     uint16_t *count = pdo->transmit ? &node->tpdo_count : &node->rpdo_count;
@@ -246,7 +260,7 @@ static int define(struct scan_node *node, struct definition *pdo, HPDO *ret_hand
                                                 .requests = pdo->requests,
                                                 .tx_timeout = pdo->tx_timeout,
                                                 .rx_timeout = pdo->rx_timeout };
-    scan_count_maps(node);
+    count_map(node, (uint16_t)((pdo->transmit ? 0x1A00u : 0x1600u) + pdo->number - 1));
     *ret_handle = scan_pdo_handle(node, pdo->transmit, pdo->number);
     return SCANOPEN_OK;
 }
@@ -299,20 +313,6 @@ void scan_set_pdo_flags(struct scan_node *node)
         slave_pdo_set_flags(&node->slave, PDO_RECEIVE, i, flags_of(&node->rpdos[i - 1], false));
     for (uint16_t i = 1; i <= node->tpdo_count; i++)
         slave_pdo_set_flags(&node->slave, PDO_TRANSMIT, i, flags_of(&node->tpdos[i - 1], true));
-}
-
-static void count_map(struct scan_node *node, uint16_t index)
-{
-    const uint64_t count = od_number(&node->od, index, 0, 0);
-
-    for (unsigned sub = 1; sub <= count; sub++) {
-        const uint64_t mapped = od_number(&node->od, index, (uint8_t)sub, 0);
-        struct od_entry *entry = od_find(&node->od, (uint16_t)(mapped >> 16),
-                                         (uint8_t)(mapped >> 8));
-
-        if (entry)
-            entry->map_count++;
-    }
 }
 
 void scan_count_maps(struct scan_node *node)

@@ -52,11 +52,12 @@ struct scan_entry {
 struct scan_pdo {
     uint16_t mode; /* TransMode */
     uint16_t tx_timeout, rx_timeout;
-    bool requests;      /* RPDO: RTR_ALLOW */
-    uint32_t ask;       /* TPDO: its handlers are wanted, number; 0: not */
-    unsigned confirmed; /* TPDO: frames of it that were on the bus */
-    unsigned takers;    /* RPDO: calls that wait for its data themselves ... */
-    unsigned callers;   /* ... and those that want the handlers to be called */
+    bool requests;        /* RPDO: RTR_ALLOW */
+    uint32_t ask;         /* TPDO: its handlers are wanted, number; 0: not */
+    unsigned confirmed;   /* TPDO: of tpdo.sent, how many were on the bus, or given up */
+    co_us_t confirmed_at; /* the last one of them */
+    unsigned takers;      /* RPDO: calls that wait for its data themselves ... */
+    unsigned callers;     /* ... and those that want the handlers to be called */
 };
 
 /* A received PDO on its way to the handlers. */
@@ -232,14 +233,11 @@ void scan_count_maps(struct scan_node *node);
 int scan_error_of_send(enum co_err err);
 /* A TPDO with AUTO_NOTIFY maps the entry. */
 bool scan_is_sent(const struct scan_node *node, const struct od_entry *entry);
-/* The TPDO with TX_DONE_PDO that a change of the entry sends. Under the lock. */
-struct scan_sending {
-    uint16_t number; /* 0: none, or nobody may wait */
-    unsigned before; /* scan_pdo.confirmed */
-};
-struct scan_sending scan_begin_sending(const struct scan_node *node, const struct od_entry *entry);
-/* Waits until it has been on the bus, where the result so far is SCANOPEN_OK. Under the lock. */
-int scan_wait_sent(struct scan_node *node, const struct scan_sending *sending, int result);
+/*
+ * Where the result so far is SCANOPEN_OK: waits until the TPDO with TX_DONE_PDO that a change of the
+ * entry has sent has been on the bus. Under the lock.
+ */
+int scan_wait_sent(struct scan_node *node, const struct od_entry *entry, int result);
 
 /* ---- scan_file.c ---- */
 

@@ -169,7 +169,6 @@ static int write_entry(struct od_entry *entry, const void *data)
 static int announce_change(struct scan_node *node, struct od_entry *entry, co_us_t now,
                            struct co_outbox *out)
 {
-    const struct scan_sending before = scan_begin_sending(node, entry);
     int result;
 
     if (!node->active)
@@ -177,7 +176,7 @@ static int announce_change(struct scan_node *node, struct od_entry *entry, co_us
     result = scan_error_of_send(slave_entry_changed(&node->slave, entry, now, out));
     if (scan_node_state(node) != NodeOperational)
         return SCANOPEN_OK;
-    return scan_wait_sent(node, &before, result);
+    return scan_wait_sent(node, entry, result);
 }
 
 /* Without data the entry's PDOs go out as they are. */

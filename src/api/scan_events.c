@@ -60,9 +60,12 @@ static void note_written(struct scan_node *node, const struct co_event *event)
 static void note_confirmed(struct scan_node *node, const struct co_event *event)
 {
     struct scan_pdo *pdo = scan_pdo(node, true, event->index);
+    const struct tpdo *tpdo = slave_tpdo(&node->slave, event->index);
 
-    if (pdo)
-        pdo->confirmed++;
+    if (!pdo || !tpdo || tpdo->sent == pdo->confirmed) /* one that was given up */
+        return;
+    pdo->confirmed++;
+    pdo->confirmed_at = network_time(node->net->network);
 }
 
 void scan_on_node_event(void *context, struct network *network, const struct co_event *event)

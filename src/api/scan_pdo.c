@@ -311,8 +311,10 @@ void scan_set_pdo_flags(struct scan_node *node)
 {
     for (uint16_t i = 1; i <= node->rpdo_count; i++)
         slave_pdo_set_flags(&node->slave, PDO_RECEIVE, i, flags_of(&node->rpdos[i - 1], false));
-    for (uint16_t i = 1; i <= node->tpdo_count; i++)
+    for (uint16_t i = 1; i <= node->tpdo_count; i++) {
+        node->tpdos[i - 1].confirmed = 0;
         slave_pdo_set_flags(&node->slave, PDO_TRANSMIT, i, flags_of(&node->tpdos[i - 1], true));
+    }
 }
 
 void scan_count_maps(struct scan_node *node)

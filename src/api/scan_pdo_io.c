@@ -15,24 +15,29 @@ int scan_error_of_send(enum co_err err)
     return err == CO_ERR_STATE ? SCANOPEN_WRONG_NODESTATE : SCANOPEN_SERVICE_NOT_ALLOWED;
 }
 
-/* Under the lock, after it was put out: until its frame has been on the bus. */
-static int wait_confirmed(struct scan_node *node, struct scan_pdo *pdo, unsigned before)
+/* Under the lock: until all frames of it that were put out have been on the bus. */
+static int wait_confirmed(struct scan_node *node, uint16_t number)
 {
+    struct scan_pdo *pdo = scan_pdo(node, true, number);
+    const unsigned sent = slave_tpdo(&node->slave, number)->sent;
     const co_us_t limit = pdo->tx_timeout
                               ? network_clock(node->net->network) + CO_MS(pdo->tx_timeout)
                               : CO_NEVER;
     enum co_err err = CO_OK;
 
-    while (pdo->confirmed == before) {
-        if (err == CO_ERR_TIMEOUT)
+    while ((int)(sent - pdo->confirmed) > 0) {
+        if (err == CO_ERR_TIMEOUT) {
+            pdo->confirmed = sent; /* given up */
             return SCANOPEN_TX_TIMEOUT;
+        }
         if (err == CO_ERR_STATE)
             return SCANOPEN_INVALID_HANDLE;
         if (scan_node_state(node) != NodeOperational)
             return SCANOPEN_WRONG_NODESTATE;
         err = network_wait(node->net->network, node->id, limit);
     }
-    return SCANOPEN_OK;
+    /* Its time on the bus counts, not when this thread had its turn. */
+    return pdo->confirmed_at <= limit ? SCANOPEN_OK : SCANOPEN_TX_TIMEOUT;
 }
 
 /* It is mapped by the n-th TPDO, which is sent when it changes. */
@@ -59,26 +64,15 @@ bool scan_is_sent(const struct scan_node *node, const struct od_entry *entry)
     return false;
 }
 
-struct scan_sending scan_begin_sending(const struct scan_node *node, const struct od_entry *entry)
+int scan_wait_sent(struct scan_node *node, const struct od_entry *entry, int result)
 {
-    struct scan_sending sending = { .number = 0 };
-
-    if (entry->map_count == 0 || !node->active || node->held || callback_running() ||
+    if (result != SCANOPEN_OK || entry->map_count == 0 || node->held || callback_running() ||
         !slave_wants_own_frames(&node->slave))
-        return sending;
+        return result;
     for (uint16_t i = 1; i <= node->tpdo_count; i++)
         if ((node->tpdos[i - 1].mode & TX_DONE_PDO) && is_notified(node, i, entry))
-            sending = (struct scan_sending){ .number = i, .before = node->tpdos[i - 1].confirmed };
-    return sending;
-}
-
-int scan_wait_sent(struct scan_node *node, const struct scan_sending *sending, int result)
-{
-    struct scan_pdo *pdo = scan_pdo(node, true, sending->number);
-
-    if (result != SCANOPEN_OK || !pdo)
-        return result;
-    return wait_confirmed(node, pdo, sending->before);
+            return wait_confirmed(node, i);
+    return result;
 }
 
 /* All of it, or nothing: a value that its entry does not allow changes none. */
@@ -114,7 +108,6 @@ static int write_pdo(struct scan_node *node, uint16_t number, const uint8_t *buf
 {
     struct scan_pdo *pdo = scan_pdo(node, true, number);
     const struct tpdo *tpdo = node->active ? slave_tpdo(&node->slave, number) : NULL;
-    const unsigned before = pdo->confirmed;
     int result = check_sendable(node, pdo, tpdo);
 
     if (result != SCANOPEN_OK)
@@ -126,7 +119,7 @@ static int write_pdo(struct scan_node *node, uint16_t number, const uint8_t *buf
         now = network_clock(node->net->network);
     result = scan_error_of_send(slave_pdo_send(&node->slave, number, now, out));
     if (result == SCANOPEN_OK && (pdo->mode & TX_DONE_PDO))
-        return wait_confirmed(node, pdo, before);
+        return wait_confirmed(node, number);
     return result;
 }
 
@@ -179,6 +172,8 @@ static int look(const struct scan_node *node, const struct reception *self, enum
         return SCANOPEN_INVALID_HANDLE;
     if (!rpdo || scan_node_state(node) != NodeOperational)
         return SCANOPEN_WRONG_NODESTATE;
+    if (self->asks && rpdo->asked != self->asked && rpdo->asked_at > self->asked_limit)
+        return SCANOPEN_TX_TIMEOUT;
     if (rpdo->received != self->received)
         return SCANOPEN_OK;
     if (rpdo->errors != self->errors)

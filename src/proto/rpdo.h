@@ -36,6 +36,7 @@ struct rpdo {
     bool running;     /* NMT state operational */
     unsigned waiters; /* the owner's: who waits for data; > 0 is as notify */
     unsigned askers;  /* the owner's: who waits for a remote frame of it to be sent */
+    co_us_t asked_at; /* the last one of them */
     unsigned asked;   /* remote frames of it that were on the bus, as far as one was waited for */
     uint32_t generation; /* of the mapping */
     struct pdo_map map;

@@ -266,6 +266,7 @@ static void send(struct tpdo *self, co_us_t now, struct co_outbox *out)
     else
         pdo_map_read(&self->map, frame.data);
     co_outbox_put_frame(out, &frame);
+    self->sent++;
     if (self->due) {
         memcpy(self->sample, frame.data, sizeof self->sample);
         self->sampled = true;

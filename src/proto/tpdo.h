@@ -52,6 +52,7 @@ struct tpdo {
     uint8_t confirms;   /* the owner's: confirmations that are not told yet */
     bool running;       /* NMT state operational */
     struct pdo_map map;
+    unsigned sent;   /* frames */
     unsigned missed; /* sent without the data asked for, or not within the synchronous window */
 
     bool event;     /* to be sent: with the next SYNC (type 0), from not_before on (254, 255) */

@@ -429,6 +429,7 @@ static void hear_rpdo(struct slave *self, struct rpdo *rpdo, const struct co_fra
     if (kind != (CO_FRAME_OWN | CO_FRAME_RTR) || rpdo->askers == 0)
         return;
     rpdo->asked++;
+    rpdo->asked_at = now;
     if (co_outbox_room(out, 0, 1))
         co_outbox_put_event(out, &event);
 }

@@ -397,8 +397,8 @@ START_TEST(waiting_for_a_pdo)
         ck_assert_mem_eq(buffer, "\x04\x05\x06", 3);
         scan_expect_no_note();
     } else {
-        scan_expect_note("data 0/5 2000:00 04");
-        scan_expect_note("data 0/5 2001:00 0506");
+        scan_await_note("data 0/5 2000:00 04");
+        scan_await_note("data 0/5 2001:00 0506");
     }
 }
 END_TEST
@@ -421,7 +421,7 @@ START_TEST(requesting_a_pdo)
         ck_assert_mem_eq(buffer, "\x04\x05\x06", 3);
         scan_expect_no_note();
     } else {
-        scan_expect_note("data 0/5 2000:00 04");
+        scan_await_note("data 0/5 2000:00 04");
     }
 }
 END_TEST

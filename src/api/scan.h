@@ -234,8 +234,8 @@ int scan_error_of_send(enum co_err err);
 /* A TPDO with AUTO_NOTIFY maps the entry. */
 bool scan_is_sent(const struct scan_node *node, const struct od_entry *entry);
 /*
- * Where the result so far is SCANOPEN_OK: waits until the TPDO with TX_DONE_PDO that a change of the
- * entry has sent has been on the bus. Under the lock.
+ * Where the result so far is SCANOPEN_OK: waits until the TPDO with TX_DONE_PDO that a change of
+ * the entry has sent has been on the bus. Under the lock.
  */
 int scan_wait_sent(struct scan_node *node, const struct od_entry *entry, int result);
 

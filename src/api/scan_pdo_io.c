@@ -162,6 +162,12 @@ static bool is_asking(const struct reception *self, const struct rpdo *rpdo)
     return self->asks && rpdo->asked == self->asked;
 }
 
+/* Its time on the bus counts, not when this thread has its turn. */
+static bool has_asked_late(const struct reception *self, const struct rpdo *rpdo)
+{
+    return self->asks && rpdo->asked != self->asked && rpdo->asked_at > self->asked_limit;
+}
+
 /* SCANOPEN_OK, or why nothing comes any more; 1: not yet. */
 static int look(const struct scan_node *node, const struct reception *self, enum co_err err,
                 co_us_t *ret_limit)
@@ -172,7 +178,7 @@ static int look(const struct scan_node *node, const struct reception *self, enum
         return SCANOPEN_INVALID_HANDLE;
     if (!rpdo || scan_node_state(node) != NodeOperational)
         return SCANOPEN_WRONG_NODESTATE;
-    if (self->asks && rpdo->asked != self->asked && rpdo->asked_at > self->asked_limit)
+    if (has_asked_late(self, rpdo))
         return SCANOPEN_TX_TIMEOUT;
     if (rpdo->received != self->received)
         return SCANOPEN_OK;

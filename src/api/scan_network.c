@@ -215,6 +215,7 @@ static int remove_network(int number)
     if (net->nodes > 0)
         return SCANOPEN_SERVICE_NOT_ALLOWED;
     nets_silence(number, NET_SLAVES);
+    network_settle(net->network);
     stop_daemons(net);
     nets_close(number, NET_SLAVES);
     scan_set_net(number, NULL);

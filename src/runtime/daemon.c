@@ -33,6 +33,16 @@ void daemon_put(struct daemon *self, const void *element)
     event_queue_put(&self->queue, element);
 }
 
+void daemon_add(struct daemon *self, const void *element)
+{
+    event_queue_add(&self->queue, element);
+}
+
+void daemon_wake(struct daemon *self)
+{
+    event_queue_wake(&self->queue);
+}
+
 void daemon_stop(struct daemon *self)
 {
     event_queue_open(&self->queue); /* what is left is dropped */

@@ -27,6 +27,9 @@ struct daemon {
 enum co_err daemon_start(struct daemon *self, const char *name, size_t element_size,
                          unsigned capacity);
 void daemon_put(struct daemon *self, const void *element);
+/* The same in two steps: the thread is woken by the second. */
+void daemon_add(struct daemon *self, const void *element);
+void daemon_wake(struct daemon *self);
 /* What is still in the queue is dropped; waits until the owner's function has returned. */
 void daemon_stop(struct daemon *self);
 /* SCHED_FIFO 1..99. CO_ERR_PERMISSION */

@@ -37,7 +37,7 @@ static unsigned char *element_at(struct event_queue *self, unsigned position)
     return self->elements + position % self->capacity * self->element_size;
 }
 
-void event_queue_put(struct event_queue *self, const void *element)
+void event_queue_add(struct event_queue *self, const void *element)
 {
     lock_take(&self->lock);
     if (self->closed) {
@@ -47,9 +47,20 @@ void event_queue_put(struct event_queue *self, const void *element)
             self->before = self->count;
     } else {
         memcpy(element_at(self, self->first + self->count++), element, self->element_size);
-        condition_signal(&self->changed);
     }
     lock_give(&self->lock);
+}
+
+/* Not under the lock, which the one who is woken wants at once. */
+void event_queue_wake(struct event_queue *self)
+{
+    condition_signal(&self->changed);
+}
+
+void event_queue_put(struct event_queue *self, const void *element)
+{
+    event_queue_add(self, element);
+    event_queue_wake(self);
 }
 
 enum co_err event_queue_take(struct event_queue *self, co_us_t deadline, void *ret_element)

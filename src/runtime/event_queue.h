@@ -28,6 +28,9 @@ enum co_err event_queue_init(struct event_queue *self, size_t element_size, unsi
 void event_queue_done(struct event_queue *self);
 
 void event_queue_put(struct event_queue *self, const void *element);
+/* The same in two steps: who waits is woken by the second. */
+void event_queue_add(struct event_queue *self, const void *element);
+void event_queue_wake(struct event_queue *self);
 /* CO_ERR_AGAIN: none there until the deadline; CO_ERR_STATE: closed and empty. */
 enum co_err event_queue_take(struct event_queue *self, co_us_t deadline, void *ret_element);
 /*

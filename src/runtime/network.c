@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define RX_BURST 64u /* frames handled before the lock is given once */
+#define RX_BURST 64u      /* frames handled before the lock is given once */
+#define ALONE    CO_MS(1) /* since the frame before: no others will follow it closely */
 
 /* --- devices --- */
 
@@ -71,23 +72,33 @@ static void deliver(struct network *self, const struct bus_rx *rx)
     }
 }
 
-static bool receive_burst(struct network *self)
+enum received {
+    RECEIVED_ALL,
+    RECEIVED_MANY, /* there may be more */
+    RECEIVED_ONE   /* that handlers wait for: they come first, then what may be there besides */
+};
+
+static enum received receive_burst(struct network *self)
 {
     struct bus_rx rx;
     enum co_err err = CO_OK;
+    bool alone = false;
 
-    for (unsigned i = 0; i < RX_BURST; i++) {
+    for (unsigned i = 0; i < RX_BURST && !(alone && self->woken_count > 0); i++) {
         err = bus_receive(self->bus, &rx);
         if (err != CO_OK)
             break;
         if (rx.lost)
             network_tell(self, (struct co_event){ .type = RUNTIME_FRAMES_LOST, .actual = rx.lost });
+        alone = rx.time > self->last_frame + ALONE;
         self->last_frame = rx.time;
         self->now = rx.time;
         deliver(self, &rx);
     }
     self->receive_fails = err != CO_OK && err != CO_ERR_AGAIN;
-    return err == CO_OK;
+    if (err != CO_OK)
+        return RECEIVED_ALL;
+    return alone ? RECEIVED_ONE : RECEIVED_MANY;
 }
 
 static void run_due(struct network *self, co_us_t now)
@@ -136,29 +147,50 @@ static void wait_for_bus(struct network *self, co_us_t deadline)
     lock_give(&self->lock);
 }
 
+/* Daemons are woken without the lock. */
+static void end_step(struct network *self)
+{
+    struct daemon *woken[DAEMONS_MAX];
+    const unsigned count = self->woken_count;
+
+    memcpy(woken, self->woken, sizeof woken);
+    self->woken_count = 0;
+    self->stepping = false;
+    lock_give(&self->lock);
+    for (unsigned i = 0; i < count; i++)
+        daemon_wake(woken[i]);
+}
+
+static void begin_step(struct network *self)
+{
+    lock_take(&self->lock);
+    self->stepping = true;
+    self->steps++;
+}
+
 static void *run(void *context)
 {
     struct network *self = context;
     bool closing = false;
 
     while (!closing) {
+        enum received received;
         co_us_t now, deadline;
-        bool more;
 
-        lock_take(&self->lock);
-        more = receive_burst(self);
+        begin_step(self);
+        received = receive_burst(self);
         /* With more to read, time has only come as far as the frames: an answer that is there
          * already must not be taken for missing. */
-        now = more ? self->last_frame : clock_now();
+        now = received == RECEIVED_ALL ? clock_now() : self->last_frame;
         self->now = now;
         run_due(self, now);
         network_flush(self, now);
         deadline = next_deadline(self);
         signal_changes(self);
         closing = self->closing;
-        self->sleeps_until = more ? 0 : deadline;
-        lock_give(&self->lock);
-        if (!closing && !more)
+        self->sleeps_until = received == RECEIVED_MANY ? 0 : deadline;
+        end_step(self);
+        if (!closing && received != RECEIVED_MANY)
             wait_for_bus(self, deadline);
     }
     return NULL;
@@ -426,6 +458,35 @@ void network_release(struct network *self)
 co_us_t network_time(const struct network *self)
 {
     return self->now;
+}
+
+void network_put(struct network *self, struct daemon *daemon, const void *element)
+{
+    unsigned i = 0;
+
+    daemon_add(daemon, element);
+    while (i < self->woken_count && self->woken[i] != daemon)
+        i++;
+    if (!self->stepping || i == DAEMONS_MAX)
+        daemon_wake(daemon);
+    else if (i == self->woken_count)
+        self->woken[self->woken_count++] = daemon;
+}
+
+/* The step under way is over when the next one begins. */
+void network_settle(struct network *self)
+{
+    unsigned steps;
+
+    lock_take(&self->lock);
+    steps = self->steps;
+    while (self->steps == steps && !self->closing) {
+        bus_wake(self->bus);
+        condition_signal(&self->changed); /* it may wait for that, where the bus is gone */
+        self->has_events = true;          /* the next step signals */
+        condition_wait(&self->changed, &self->lock, CO_NEVER);
+    }
+    lock_give(&self->lock);
 }
 
 void network_poke(struct network *self)

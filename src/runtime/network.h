@@ -26,6 +26,7 @@ enum runtime_event {
     RUNTIME_BUSY               /* frames have to wait for the bus; told once */
 };
 
+struct daemon;
 struct network;
 
 /* Called under the network's lock, by the protocol thread or an API call: must not wait. */
@@ -110,6 +111,13 @@ void network_poke(struct network *self);
 bool network_takes(const struct network *self, uint32_t can_id);
 /* Between enter and leave: the state of the bus that was told last. */
 enum bus_state network_bus_state(const struct network *self);
+/*
+ * Under the lock: for a daemon. It is woken when the protocol thread has given the lock, which the
+ * daemon may want at once; after network_settle() it is woken no more for what was put before.
+ */
+void network_put(struct network *self, struct daemon *daemon, const void *element);
+/* Not under the lock. The thread runs. */
+void network_settle(struct network *self);
 /*
  * Between enter and leave: waits until something has happened in the network, or the deadline.
  * CO_ERR_TIMEOUT; CO_ERR_STATE: the network is being closed, or the device's place retired.

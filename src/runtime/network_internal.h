@@ -4,11 +4,14 @@
 #ifndef CO_RUNTIME_NETWORK_INTERNAL_H
 #define CO_RUNTIME_NETWORK_INTERNAL_H
 
+#include "runtime/daemon.h"
 #include "runtime/network.h"
 #include "runtime/tx_queue.h"
 
 #define OUT_FRAMES 1024u
 #define OUT_EVENTS 1024u
+
+#define DAEMONS_MAX 4u
 
 #define FILTERS_MAX 512u /* what a bus takes */
 
@@ -50,13 +53,17 @@ struct network {
     co_us_t tx_tell;  /* when losses may be told again */
     bool busy_told;
     bool receive_fails;
-    co_us_t refused_until;    /* 0: it takes frames */
-    enum bus_state bus_state; /* as told */
-    unsigned outages;         /* of the bus, as last seen */
-    bool has_events;          /* since the last signal of changed */
-    co_us_t last_frame;       /* time of the frame delivered last */
-    co_us_t now;              /* of the step or call under way */
-    co_us_t sleeps_until;     /* the thread, when the lock is free; 0: it does not sleep */
+    co_us_t refused_until;             /* 0: it takes frames */
+    enum bus_state bus_state;          /* as told */
+    unsigned outages;                  /* of the bus, as last seen */
+    bool has_events;                   /* since the last signal of changed */
+    co_us_t last_frame;                /* time of the frame delivered last */
+    co_us_t now;                       /* of the step or call under way */
+    co_us_t sleeps_until;              /* the thread, when the lock is free; 0: it does not sleep */
+    struct daemon *woken[DAEMONS_MAX]; /* when the protocol thread gives the lock */
+    unsigned woken_count;
+    bool stepping; /* the protocol thread has the lock */
+    unsigned steps;
     bool has_priority;
     int priority; /* as claimed */
 };

@@ -67,6 +67,7 @@ void device_create(struct device *self)
     self->info.ulVendorId = 0x17F;
     self->info.usRxPDO = 4;
     self->info.usTxPDO = 4;
+    self->info.usPdoRxQueueSize = 4096; /* one processor: the handlers wait while frames come */
     device_open_network();
     self->node = device_create_node(DEVICE_NODE, &self->info);
     device_add_number(self->node, DEVICE_NUMBER);

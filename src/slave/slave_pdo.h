@@ -5,9 +5,8 @@
  * RPDO n is 1400h+n-1 with its mapping 1600h+n-1, TPDO n is 1800h+n-1 with 1A00h+n-1, n = 1..512.
  * slave_init() finds those that the dictionary has; numbers may have gaps.
  *
- * On a SYNC the TPDOs go out first, but for those that ask for data, then the data of RPDOs is taken
- * over. What finds no room in the
- * outbox stays due, and is done first in the next call.
+ * On a SYNC the TPDOs go out first, but for those that ask for data, then the data of RPDOs is
+ * taken over. What finds no room in the outbox stays due, and is done first in the next call.
  *
  *   owner    as the device (slave.h includes this)
  *   locking  none; the owner's

@@ -249,7 +249,8 @@ MCANOPEN_API int canOpenWriteDictionaryHnd(HDICT HDict, const void *Data);
  *   COBid        CAN-ID or DEFAULT_PDO1..4; PDO_VALID or PDO_INVALID; RTR_ALLOW or RTR_DISALLOW
  *   TransMode    transmission type 0..255 with RECEIVE_PDO or TRANSMIT_PDO and further flags
  *   InhibitTime  least time between two frames, 0..6553 ms, 0: none
- *   TxTout       how long a frame may wait to be sent, ms; 0: without limit
+ *   TxTout       how long a frame may wait to be sent, ms; 0: until the network gives it up, 2 s after
+ *                the bus has ceased to take frames
  *   RxTout       how long canOpenReadPDO and canOpenRequestPDO wait, ms; 0: they do not
  *   iEventTimer  asynchronous transmit PDOs: sent at the latest after 1..65535 ms, 0: off
  *   Mapping      pairs of index and sub-index, at the end 0, 0; index 1..7, sub-index 0: a dummy of

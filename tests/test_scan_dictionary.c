@@ -337,6 +337,20 @@ START_TEST(strings)
 }
 END_TEST
 
+/* Memory with more in it than is used: the string ends where it says. */
+START_TEST(a_string_ends_from_the_beginning)
+{
+    static char memory[8] = "longer";
+    char *text = NULL;
+    DictionaryData data = { .visstring = { memory, sizeof memory, 4 } };
+
+    extend(0x2000, 0, OBJ_VAR, MAP_VIS_STRING);
+    init(0x2000, 0, BOTH, &data);
+    ck_assert_int_eq(canOpenReadDictionary(node, 0x2000, 0, &text), SCANOPEN_OK);
+    ck_assert_str_eq(text, "long");
+}
+END_TEST
+
 /* A client writes into the application's memory, as long as there is room. */
 START_TEST(strings_written_by_a_client)
 {
@@ -525,6 +539,7 @@ static void add_tests(TCase *tcase)
     tcase_add_loop_test(tcase, numbers, 0, COUNT(type_rows));
     tcase_add_test(tcase, times);
     tcase_add_loop_test(tcase, strings, 0, COUNT(text_rows));
+    tcase_add_test(tcase, a_string_ends_from_the_beginning);
     tcase_add_test(tcase, strings_written_by_a_client);
     tcase_add_test(tcase, arrays);
     tcase_add_test(tcase, records);

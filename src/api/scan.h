@@ -85,7 +85,8 @@ struct scan_node {
     bool closing;
     struct scan_net *net;
     uint8_t id;
-    bool active; /* on the bus: slave is there */
+    bool active;          /* on the bus: slave is there */
+    unsigned activations; /* who waits for something of one has nothing to expect of the next */
     bool from_file;
     bool held; /* PARAM_DISABLE_AUTO_TRANSMISSION */
     unsigned long options, event_mask;

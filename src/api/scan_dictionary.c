@@ -2,8 +2,6 @@
  * scan_access.c. */
 #include "api/scan.h"
 
-#include "base/bytes.h"
-
 #include <stdlib.h>
 #include <string.h>
 
@@ -233,10 +231,11 @@ static int init_text(struct od_entry *entry, const struct init *init)
     if (text->ulLength > text->ulSize || text->ulSize > UINT32_MAX ||
         (!text->pData && text->ulSize > 0))
         return SCANOPEN_WRONG_PARAMETER;
-    return od_refer(entry, text->pData, (uint32_t)text->ulLength, (uint32_t)text->ulSize, true) ==
-                   CO_OK
-               ? SCANOPEN_OK
-               : SCANOPEN_OUT_OF_MEMORY;
+    if (od_refer(entry, text->pData, (uint32_t)text->ulLength, (uint32_t)text->ulSize, true) !=
+        CO_OK)
+        return SCANOPEN_OUT_OF_MEMORY;
+    scan_end_text(entry);
+    return SCANOPEN_OK;
 }
 
 static enum od_access access_of(unsigned flags)

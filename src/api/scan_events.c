@@ -4,8 +4,6 @@
 #include "api/log.h"
 #include "api/scan.h"
 
-#include "base/bytes.h"
-
 #include <stdio.h>
 
 /* ---- under the network's lock ---- */

@@ -82,22 +82,16 @@ static void set_priorities(struct scan_net *net, const struct priorities *priori
 
 /* ---- opening ---- */
 
-static enum co_err start_daemon(struct daemon *daemon, const char *name, size_t size,
-                                unsigned capacity)
-{
-    return daemon_start(daemon, name, size, capacity);
-}
-
 static bool start_daemons(struct scan_net *net)
 {
     net->nmt = (struct daemon){ .work = scan_nmt_work, .lost = scan_nmt_lost, .context = net };
     net->pdo = (struct daemon){ .work = scan_pdo_work, .context = net };
     net->sdo = (struct daemon){ .work = scan_sdo_work, .context = net };
-    if (start_daemon(&net->nmt, "mcan-nmt", sizeof(struct scan_event_token), NMT_EVENTS) != CO_OK)
+    if (daemon_start(&net->nmt, "mcan-nmt", sizeof(struct scan_event_token), NMT_EVENTS) != CO_OK)
         return false;
-    if (start_daemon(&net->pdo, "mcan-pdo", sizeof(struct scan_token), TOKENS) != CO_OK)
+    if (daemon_start(&net->pdo, "mcan-pdo", sizeof(struct scan_token), TOKENS) != CO_OK)
         goto stop_nmt;
-    if (start_daemon(&net->sdo, "mcan-sdo", sizeof(struct scan_token), TOKENS) == CO_OK)
+    if (daemon_start(&net->sdo, "mcan-sdo", sizeof(struct scan_token), TOKENS) == CO_OK)
         return true;
     daemon_stop(&net->pdo);
 stop_nmt:

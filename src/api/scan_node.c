@@ -163,6 +163,7 @@ static int activate(struct scan_node *node, co_us_t now, struct co_outbox *out)
         return SCANOPEN_OUT_OF_MEMORY;
     }
     node->active = true;
+    node->activations++;
     slave_switch_on(&node->slave, now, out);
     return SCANOPEN_OK;
 }
@@ -204,10 +205,19 @@ static void deactivate(struct scan_node *node)
     scan_tell(node, EV_STATE_CHANGE, NodeOffline, 0);
 }
 
+static void go_offline(struct scan_node *node)
+{
+    co_us_t now;
+
+    scan_lock(node, &now);
+    deactivate(node);
+    network_poke(node->net->network);
+    scan_unlock(node);
+}
+
 int canOpenResetNode(HNODE HNode)
 {
     struct scan_node *node;
-    co_us_t now;
     int result;
 
     if (callback_running())
@@ -215,10 +225,7 @@ int canOpenResetNode(HNODE HNode)
     result = scan_enter(HNode, &node);
     if (result != SCANOPEN_OK)
         return result;
-    scan_lock(node, &now);
-    deactivate(node);
-    network_poke(node->net->network);
-    scan_unlock(node);
+    go_offline(node);
     scan_leave(node);
     return SCANOPEN_OK;
 }
@@ -245,6 +252,7 @@ static int delete_node(struct scan_node *node)
     if (!is_offline(node))
         return SCANOPEN_WRONG_NODESTATE;
     scan_close_node(node, retire);
+    go_offline(node); /* where a call that was inside has activated it meanwhile */
     network_remove(node->net->network, node->id);
     node->net->nodes--;
     scan_free_node(node);

@@ -1,10 +1,23 @@
 /* PDOs sent, received and requested by the application: canOpenWritePDO, ReadPDO, RequestPDO. */
 #include "api/callback.h"
 #include "api/scan.h"
+#include "runtime/tx_queue.h"
 
 #include <string.h>
 
 /* ---- sending ---- */
+
+/* Without a limit of its own a frame is waited for until the network has surely given it up. */
+static co_us_t sent_by(unsigned timeout_ms, co_us_t now)
+{
+    return now + (timeout_ms > 0 ? CO_MS(timeout_ms) : TX_QUEUE_GIVE_UP + CO_MS(1000));
+}
+
+/* Operational, and has been since that activation. */
+static bool goes_on(const struct scan_node *node, unsigned activation)
+{
+    return scan_node_state(node) == NodeOperational && node->activations == activation;
+}
 
 int scan_error_of_send(enum co_err err)
 {
@@ -20,20 +33,19 @@ static int wait_confirmed(struct scan_node *node, uint16_t number)
 {
     struct scan_pdo *pdo = scan_pdo(node, true, number);
     const unsigned sent = slave_tpdo(&node->slave, number)->sent;
-    const co_us_t limit = pdo->tx_timeout
-                              ? network_clock(node->net->network) + CO_MS(pdo->tx_timeout)
-                              : CO_NEVER;
+    const co_us_t limit = sent_by(pdo->tx_timeout, network_clock(node->net->network));
+    const unsigned activation = node->activations;
     enum co_err err = CO_OK;
 
     while ((int)(sent - pdo->confirmed) > 0) {
+        if (err == CO_ERR_STATE)
+            return SCANOPEN_INVALID_HANDLE;
+        if (!goes_on(node, activation))
+            return SCANOPEN_WRONG_NODESTATE;
         if (err == CO_ERR_TIMEOUT) {
             pdo->confirmed = sent; /* given up */
             return SCANOPEN_TX_TIMEOUT;
         }
-        if (err == CO_ERR_STATE)
-            return SCANOPEN_INVALID_HANDLE;
-        if (scan_node_state(node) != NodeOperational)
-            return SCANOPEN_WRONG_NODESTATE;
         err = network_wait(node->net->network, node->id, limit);
     }
     /* Its time on the bus counts, not when this thread had its turn. */
@@ -149,8 +161,9 @@ int canOpenWritePDO(HPDO Hpdo, const void *buffer)
 /* A call that waits for data. */
 struct reception {
     uint16_t number;
-    void *buffer;   /* NULL: the handlers get the data */
-    bool asks;      /* by a remote frame */
+    void *buffer; /* NULL: the handlers get the data */
+    bool asks;    /* by a remote frame */
+    unsigned activation;
     unsigned asked; /* rpdo.asked, received and errors when it began */
     unsigned received, errors;
     co_us_t asked_limit; /* for the remote frame to be on the bus */
@@ -176,7 +189,7 @@ static int look(const struct scan_node *node, const struct reception *self, enum
 
     if (err == CO_ERR_STATE)
         return SCANOPEN_INVALID_HANDLE;
-    if (!rpdo || scan_node_state(node) != NodeOperational)
+    if (!rpdo || !goes_on(node, self->activation))
         return SCANOPEN_WRONG_NODESTATE;
     if (has_asked_late(self, rpdo))
         return SCANOPEN_TX_TIMEOUT;
@@ -238,11 +251,12 @@ static int read_pdo(struct scan_node *node, struct reception *self, co_us_t now,
     const struct rpdo *rpdo = slave_rpdo(&node->slave, self->number);
     int result;
 
+    self->activation = node->activations;
     self->asked = rpdo->asked;
     self->received = rpdo->received;
     self->errors = rpdo->errors;
     self->limit = now + CO_MS(pdo->rx_timeout);
-    self->asked_limit = pdo->tx_timeout ? now + CO_MS(pdo->tx_timeout) : CO_NEVER;
+    self->asked_limit = sent_by(pdo->tx_timeout, now);
     count_waiting(node, self, true);
     result = ask(node, self, now, out);
     if (result == SCANOPEN_OK)

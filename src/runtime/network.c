@@ -330,9 +330,7 @@ enum co_err network_add_slave(struct network *self, struct slave *slave)
     const enum co_err err = network_add(self, slave->node, self->options.sink,
                                         self->options.context);
 
-    if (err == CO_OK)
-        network_set_slave(self, slave->node, slave);
-    return err;
+    return err == CO_OK ? network_set_slave(self, slave->node, slave) : err;
 }
 
 enum co_err network_add_manager(struct network *self, struct manager *manager)

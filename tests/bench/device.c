@@ -7,10 +7,6 @@
 
 int device_need(const char *what, int result)
 {
-    if (result == SCANOPEN_NOT_IMPLEMENTED) {
-        fprintf(stderr, "%s is not implemented yet\n", what);
-        exit(DEVICE_NOT_RUN);
-    }
     if (result < 0 && !IS_WARNING(result)) {
         fprintf(stderr, "%s: error %d\n", what, result);
         exit(1);

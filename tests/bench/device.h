@@ -11,12 +11,11 @@
 
 #include "scanopen.h"
 
-#define DEVICE_NODE    5
-#define DEVICE_NUMBER  0x2000 /* UINT32, for SDO */
-#define DEVICE_OUTPUT  0x2001 /* UINT64, received by PDO */
-#define DEVICE_INPUT   0x2002 /* UINT64, transmitted by PDO */
-#define DEVICE_MANY    0x3000 /* UINT32, as many as wanted */
-#define DEVICE_NOT_RUN 77     /* exit code */
+#define DEVICE_NODE   5
+#define DEVICE_NUMBER 0x2000 /* UINT32, for SDO */
+#define DEVICE_OUTPUT 0x2001 /* UINT64, received by PDO */
+#define DEVICE_INPUT  0x2002 /* UINT64, transmitted by PDO */
+#define DEVICE_MANY   0x3000 /* UINT32, as many as wanted */
 
 struct device {
     SLAVE_NODE_INFO info;      /* more than what device_create() gives it */

@@ -62,10 +62,11 @@ struct od_entry {
     uint8_t access; /* enum od_access */
     bool mappable;
     bool has_low, has_high;
-    bool referred;      /* the value's bytes are the application's */
-    bool watched;       /* the application is to be asked before a client's value is stored, and
+    bool referred;    /* the value's bytes are the application's */
+    bool watched;     /* the application is to be asked before a client's value is stored, and
                            for new data of a TPDO */
-    uint16_t map_max;   /* how many PDOs it may be in; 0: any number */
+    bool fetched;     /* its bytes are with the owner, who is asked for them when a client reads */
+    uint16_t map_max; /* how many PDOs it may be in; 0: any number */
     uint16_t map_count; /* how many it is in */
     uint32_t frozen;    /* bits of a number that clients cannot change */
     /* Of the type's own sign: unsigned types as uint64_t in the same bits; REAL32 and REAL64: the

@@ -21,6 +21,12 @@ enum proto_event {
      */
     PROTO_SDO_WRITE,
     /*
+     * A client reads an entry whose bytes are with the owner: sdo_server_give() is waited for.
+     *   index, sub   the object
+     *   code         number of the transfer, as in PROTO_SDO_WRITE
+     */
+    PROTO_SDO_READ,
+    /*
      * A watched node's heartbeat reports another NMT state, or is its first, or its first after a
      * loss: node, detail (state).
      */

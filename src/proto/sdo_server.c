@@ -25,7 +25,7 @@ void sdo_server_init(struct sdo_server *self, const struct od *od, uint8_t node,
                      uint32_t capacity)
 {
     *self = (struct sdo_server){ .od = od,
-                                 .request_id = REQUEST_ID + node,
+                                 .request_id = node > 0 ? REQUEST_ID + node : 0,
                                  .response_id = RESPONSE_ID + node,
                                  .buffer = buffer,
                                  .capacity = capacity,
@@ -38,6 +38,13 @@ static void finish(struct sdo_server *self)
     self->state = SDO_SERVER_IDLE;
     self->unsent = false;
     self->deadline = CO_NEVER;
+}
+
+void sdo_server_set_channel(struct sdo_server *self, uint32_t request_id, uint32_t response_id)
+{
+    self->request_id = request_id;
+    self->response_id = response_id;
+    finish(self);
 }
 
 void sdo_server_enable(struct sdo_server *self, bool enabled)
@@ -100,14 +107,8 @@ static void abort_transfer(struct sdo_server *self, sdo_abort_t code, struct co_
     finish(self);
 }
 
-static void answer_verdict(struct sdo_server *self, struct co_outbox *out)
+static void confirm_download(struct sdo_server *self, struct co_outbox *out)
 {
-    if (!co_outbox_room(out, 1, 0))
-        return;
-    if (self->verdict != SDO_OK) {
-        abort_transfer(self, self->verdict, out);
-        return;
-    }
     if (self->segmented)
         respond_to_segment(self, out);
     else
@@ -115,14 +116,71 @@ static void answer_verdict(struct sdo_server *self, struct co_outbox *out)
     finish(self);
 }
 
+/* The value to be read is in the buffer. */
+static void answer_upload(struct sdo_server *self, co_us_t now, struct co_outbox *out)
+{
+    uint8_t field[4] = { 0 };
+
+    if (self->size >= 1 && self->size <= 4) {
+        memcpy(field, self->buffer, self->size);
+        respond_with_object(self, 0x43 | (4 - self->size) << 2, field, out);
+        finish(self);
+        return;
+    }
+    self->position = 0;
+    self->toggle = false;
+    respond_with_number(self, 0x41, self->size, out);
+    wait_for(self, SDO_SERVER_UP_SEGMENT, now);
+}
+
+/* Goes on with what the owner has decided, once there is room for the response. */
+static void answer_decided(struct sdo_server *self, co_us_t now, struct co_outbox *out)
+{
+    if (!co_outbox_room(out, 1, 0))
+        return;
+    self->unsent = false;
+    if (self->verdict != SDO_OK)
+        abort_transfer(self, self->verdict, out);
+    else if (self->state == SDO_SERVER_FETCH)
+        answer_upload(self, now, out);
+    else
+        confirm_download(self, out);
+}
+
+static bool is_undecided(const struct sdo_server *self, enum sdo_server_state state, co_us_t now)
+{
+    return self->state == state && !self->unsent && now < self->deadline;
+}
+
 void sdo_server_verdict(struct sdo_server *self, sdo_abort_t code, co_us_t now,
                         struct co_outbox *out)
 {
-    if (self->state != SDO_SERVER_VERDICT || self->unsent || now >= self->deadline)
+    if (!is_undecided(self, SDO_SERVER_VERDICT, now))
         return;
     self->verdict = code;
     self->unsent = true;
-    answer_verdict(self, out);
+    answer_decided(self, now, out);
+}
+
+/* The bytes to be read, as they are now: what changes them later does not change the upload. */
+static sdo_abort_t take_snapshot(struct sdo_server *self, const uint8_t *bytes, uint32_t size)
+{
+    if (size > self->capacity)
+        return SDO_NO_MEMORY;
+    if (size > 0)
+        memmove(self->buffer, bytes, size);
+    self->size = size;
+    return SDO_OK;
+}
+
+void sdo_server_give(struct sdo_server *self, sdo_abort_t code, const uint8_t *bytes, uint32_t size,
+                     co_us_t now, struct co_outbox *out)
+{
+    if (!is_undecided(self, SDO_SERVER_FETCH, now))
+        return;
+    self->verdict = code == SDO_OK ? take_snapshot(self, bytes, size) : code;
+    self->unsent = true;
+    answer_decided(self, now, out);
 }
 
 /* Asks the owner for its verdict on the value in the buffer. */
@@ -240,30 +298,32 @@ static sdo_abort_t on_download_segment(struct sdo_server *self, const uint8_t *d
     return offer_value(self, now, out);
 }
 
+/* Asks the owner for the value of an entry that does not have it. */
+static void fetch_value(struct sdo_server *self, co_us_t now, struct co_outbox *out)
+{
+    const struct co_event event = {
+        .type = PROTO_SDO_READ, .index = self->index, .sub = self->sub, .code = ++self->number
+    };
+
+    co_outbox_put_event(out, &event);
+    wait_for(self, SDO_SERVER_FETCH, now);
+}
+
 static sdo_abort_t on_upload(struct sdo_server *self, co_us_t now, struct co_outbox *out)
 {
     struct od_entry *entry = NULL;
-    uint8_t field[4] = { 0 };
     sdo_abort_t code = od_check_read(self->od, self->index, self->sub, &entry);
 
     if (code != SDO_OK)
         return code;
-    if (entry->size >= 1 && entry->size <= 4) {
-        memcpy(field, entry->value, entry->size);
-        respond_with_object(self, 0x43 | (4 - entry->size) << 2, field, out);
-        finish(self);
+    if (entry->fetched) {
+        fetch_value(self, now, out);
         return SDO_OK;
     }
-    if (entry->size > self->capacity)
-        return SDO_NO_MEMORY;
-    if (entry->size > 0)
-        memcpy(self->buffer, entry->value, entry->size);
-    self->size = entry->size;
-    self->position = 0;
-    self->toggle = false;
-    respond_with_number(self, 0x41, self->size, out);
-    wait_for(self, SDO_SERVER_UP_SEGMENT, now);
-    return SDO_OK;
+    code = take_snapshot(self, entry->value, entry->size);
+    if (code == SDO_OK)
+        answer_upload(self, now, out);
+    return code;
 }
 
 static sdo_abort_t on_upload_segment(struct sdo_server *self, const uint8_t *data, co_us_t now,
@@ -335,13 +395,18 @@ static sdo_abort_t on_request(struct sdo_server *self, const uint8_t *data, co_u
     return SDO_COMMAND;
 }
 
+static bool is_request(const struct sdo_server *self, const struct co_frame *frame)
+{
+    return self->enabled && self->request_id != 0 && frame->id == self->request_id &&
+           frame->dlc == 8 && !(frame->flags & (CO_FRAME_EXT | CO_FRAME_RTR));
+}
+
 void sdo_server_on_frame(struct sdo_server *self, const struct co_frame *frame, co_us_t now,
                          struct co_outbox *out)
 {
     sdo_abort_t code;
 
-    if (!self->enabled || frame->id != self->request_id || frame->dlc != 8 ||
-        (frame->flags & (CO_FRAME_EXT | CO_FRAME_RTR)))
+    if (!is_request(self, frame))
         return;
     if (!co_outbox_room(out, 1, 1)) {
         self->dropped++;
@@ -352,12 +417,18 @@ void sdo_server_on_frame(struct sdo_server *self, const struct co_frame *frame, 
         abort_transfer(self, code, out);
 }
 
+static sdo_abort_t late_code(const struct sdo_server *self)
+{
+    return self->state == SDO_SERVER_VERDICT || self->state == SDO_SERVER_FETCH ? SDO_NOT_STORED
+                                                                                : SDO_TIMEOUT;
+}
+
 void sdo_server_on_time(struct sdo_server *self, co_us_t now, struct co_outbox *out)
 {
     if (self->unsent)
-        answer_verdict(self, out);
+        answer_decided(self, now, out);
     else if (now >= self->deadline && co_outbox_room(out, 1, 0))
-        abort_transfer(self, self->state == SDO_SERVER_VERDICT ? SDO_NOT_STORED : SDO_TIMEOUT, out);
+        abort_transfer(self, late_code(self), out);
 }
 
 co_us_t sdo_server_deadline(const struct sdo_server *self)

@@ -46,6 +46,7 @@ static const struct od_spec entries[] = {
     { .index = 0x2006, .type = OD_UNSIGNED32, .access = OD_RW },
     { .index = 0x2007, .type = OD_OCTET_STRING, .access = OD_RW, .capacity = 3 },
     { .index = 0x2008, .type = OD_DOMAIN, .access = OD_RO, .value = zeros, .size = sizeof zeros },
+    { .index = 0x2009, .type = OD_DOMAIN, .access = OD_RW, .capacity = 400 },
 };
 
 void server_bench_init(struct server_bench *self)
@@ -54,6 +55,7 @@ void server_bench_init(struct server_bench *self)
     od_init(&self->od);
     for (size_t i = 0; i < sizeof entries / sizeof entries[0]; i++)
         ck_assert_int_eq(od_add(&self->od, &entries[i], NULL), CO_OK);
+    od_find(&self->od, 0x2009, 0)->fetched = true;
     self->buffer = malloc(BENCH_CAPACITY);
     ck_assert_ptr_nonnull(self->buffer);
     sdo_server_init(&self->server, &self->od, BENCH_NODE, self->buffer, BENCH_CAPACITY);
@@ -94,16 +96,41 @@ static void use_value(struct server_bench *self, const char *text)
     ck_assert_str_eq(hex_format(entry->value, entry->size, present, sizeof present), hex);
 }
 
+static void give(struct server_bench *self, const char *hex, co_us_t now, struct co_outbox *out)
+{
+    uint8_t bytes[TEXT_MAX / 2];
+    const uint32_t size = (uint32_t)hex_parse(hex, bytes, sizeof bytes);
+
+    sdo_server_give(&self->server, SDO_OK, bytes, size, now, out);
+}
+
+/* False: the text is none of these. */
+static bool call_server(struct server_bench *self, const char *text, co_us_t now,
+                        struct co_outbox *out)
+{
+    unsigned code = 0, response = 0;
+    char hex[TEXT_MAX] = "";
+
+    if (sscanf(text, "verdict %x", &code) == 1)
+        sdo_server_verdict(&self->server, store(self, code), now, out);
+    else if (sscanf(text, "give %600s", hex) == 1)
+        give(self, hex, now, out);
+    else if (sscanf(text, "refuse %x", &code) == 1)
+        sdo_server_give(&self->server, code, NULL, 0, now, out);
+    else if (sscanf(text, "channel %x %x", &code, &response) == 2)
+        sdo_server_set_channel(&self->server, code, response);
+    else
+        return false;
+    return true;
+}
+
 static bool call(void *machine, const char *text, co_us_t now, struct co_outbox *out)
 {
     struct server_bench *self = machine;
-    unsigned code = 0;
 
     if (strcmp(text, "enable") == 0 || strcmp(text, "disable") == 0)
         sdo_server_enable(&self->server, text[0] == 'e');
-    else if (sscanf(text, "verdict %x", &code) == 1)
-        sdo_server_verdict(&self->server, store(self, code), now, out);
-    else
+    else if (!call_server(self, text, now, out))
         use_value(self, text);
     return true;
 }
@@ -137,8 +164,12 @@ static void describe(void *machine, const struct co_event *event, char *text, si
     struct server_bench *self = machine;
     char data[TEXT_MAX];
 
-    ck_assert_uint_eq(event->type, PROTO_SDO_WRITE);
     ck_assert_uint_eq(event->code, self->server.number);
+    if (event->type == PROTO_SDO_READ) {
+        snprintf(text, size, "read %04X:%02X", event->index, event->sub);
+        return;
+    }
+    ck_assert_uint_eq(event->type, PROTO_SDO_WRITE);
     self->writing = event->code;
     hex_format(sdo_server_value(&self->server), (size_t)event->actual, data, sizeof data);
     snprintf(text, size, "write %04X:%02X %s", event->index, event->sub, data);

@@ -2,12 +2,15 @@
  * An SDO server on node 5 with a small dictionary, for conversations. Calls of the owner:
  *
  *     "verdict 00000000"     stores the value and says so, or refuses it with the code
+ *     "give 414243"          the bytes of an entry that the owner has, "give -" none
+ *     "refuse 08000024"      there are none
+ *     "channel 640 5C0"      other CAN-IDs; "channel 0 0" none
  *     "enable", "disable"
  *     "value 1017:00 E803"   the dictionary has this value
  *     "set 1008:00 41"       another value, from the application
  *
- * A write that waits for its verdict is described as "write 1017:00 E803". A request that finds no
- * room in the outbox is brought again.
+ * A write that waits for its verdict is described as "write 1017:00 E803", a read that waits for
+ * its bytes as "read 2009:00". A request that finds no room in the outbox is brought again.
  *
  *     1000:00 UNSIGNED32 ro 000F0191h     2000:00 DOMAIN rw, 400 bytes (the buffer has 300)
  *     1003:00 UNSIGNED8  rw high limit 0  2001:00 BOOLEAN rw
@@ -19,6 +22,7 @@
  *     1F50:01 DOMAIN wo                   2006:00 UNSIGNED32 rw
  *                                         2007:00 OCTET_STRING rw, 3 bytes
  *                                         2008:00 DOMAIN ro, 301 bytes
+ *                                         2009:00 DOMAIN rw, with the owner
  */
 #ifndef TEST_SUPPORT_SERVER_BENCH_H
 #define TEST_SUPPORT_SERVER_BENCH_H

@@ -110,6 +110,9 @@ static const struct presence {
     { 0x1020, PARAMETER_STORE },
     { 0x1028, EMCY_CONSUMER },
     { 0x1029, ERROR_BEHAVIOUR_OBJECT },
+    { 0x1200, 0 },
+    { 0x1201, ADDITIONAL_SDOS },
+    { 0x1202, ADDITIONAL_SDOS },
 };
 
 static const unsigned long option_sets[] = {
@@ -184,7 +187,7 @@ static const struct count_row {
 } count_rows[] = {
     { 0x1016, 4 }, /* ucMaxConsumerHB */
     { 0x1018, 4 }, /* ucMaxIdentityObject */
-    { 0x1020, 2 },
+    { 0x1020, 2 }, { 0x1200, 2 }, { 0x1202, 3 },
 };
 
 START_TEST(numbers_of_entries)

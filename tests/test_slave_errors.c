@@ -352,7 +352,7 @@ START_TEST(full_outbox_request)
     device_drain(&device);
     ck_assert_str_eq(device_next_frame(&device, NULL), "");
     ck_assert_uint_eq(device_value(&device, 0x1017, 0), 0);
-    ck_assert_uint_eq(device.slave.server.dropped, 1);
+    ck_assert_uint_eq(device.slave.channels[0].server.dropped, 1);
     ck_assert_uint_eq(device_write(&device, 0x1017, 0, 2, 100), SDO_OK);
 }
 END_TEST

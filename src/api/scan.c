@@ -171,6 +171,7 @@ void scan_free_node(struct scan_node *node)
     free(node->rpdos);
     free(node->tpdos);
     free(node->received);
+    free(node->verdicts);
     free(node);
 }
 

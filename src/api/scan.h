@@ -74,7 +74,7 @@ struct scan_verdict { /* an SDO write that waits for its handler */
     uint16_t index;
     uint8_t sub;
     uint32_t size;
-    uint32_t number;
+    struct slave_transfer transfer;
     co_us_t time;
 };
 
@@ -107,7 +107,11 @@ struct scan_node {
     unsigned received_size, received_first, received_count, received_lost;
     unsigned asks;   /* TPDOs with ask != 0 */
     bool pdo_called; /* the daemon knows of it */
-    struct scan_verdict verdict;
+    /* the SDO daemon's */
+    struct scan_verdict *verdicts; /* by channel; of this activation or the last one */
+    unsigned verdict_count;
+    unsigned verdict_next; /* channels have their turns */
+    bool sdo_called;       /* the daemon knows of it */
 };
 
 /* What the daemons get. */
@@ -250,6 +254,8 @@ int scan_make_from_file(struct scan_node *node, const char *path);
 void scan_on_rpdo(struct scan_node *node, const struct co_event *event);
 void scan_on_tpdo_wanted(struct scan_node *node, const struct co_event *event);
 void scan_on_verdict(struct scan_node *node, const struct co_event *event, co_us_t now);
+/* As many as the node's slave has channels; nothing waits. False: no memory. Under the lock. */
+bool scan_make_verdicts(struct scan_node *node);
 void scan_pdo_work(void *context, const void *element);
 void scan_sdo_work(void *context, const void *element);
 

@@ -3,7 +3,8 @@
  *
  * A daemon gets a token for a node that has something for it, one at a time for each node, so that
  * its queue cannot overflow; what there is stands in the node. Received PDOs wait in a ring of
- * usPdoRxQueueSize; TPDOs whose handlers are wanted have a flag each; of SDO writes one waits.
+ * usPdoRxQueueSize; TPDOs whose handlers are wanted have a flag each; of SDO writes one waits for
+ * each channel.
  */
 #include "api/callback.h"
 #include "api/scan.h"
@@ -266,40 +267,72 @@ leave:
 
 /* ---- the SDO daemon ---- */
 
+bool scan_make_verdicts(struct scan_node *node)
+{
+    const unsigned count = node->slave.channel_count;
+    struct scan_verdict *verdicts = calloc(count, sizeof *verdicts);
+
+    if (!verdicts)
+        return false;
+    free(node->verdicts);
+    node->verdicts = verdicts;
+    node->verdict_count = count;
+    node->verdict_next = 0;
+    return true;
+}
+
 void scan_on_verdict(struct scan_node *node, const struct co_event *event, co_us_t now)
 {
     const struct scan_token token = scan_token(node);
-    const bool called = node->verdict.pending;
 
-    node->verdict = (struct scan_verdict){ .pending = true,
-                                           .index = event->index,
-                                           .sub = event->sub,
-                                           .size = (uint32_t)event->actual,
-                                           .number = event->code,
-                                           .time = now };
-    if (!called)
-        network_put(node->net->network, &node->net->sdo, &token);
+    node->verdicts[event->detail] = (struct scan_verdict){ .pending = true,
+                                                           .index = event->index,
+                                                           .sub = event->sub,
+                                                           .size = (uint32_t)event->actual,
+                                                           .transfer = { event->detail,
+                                                                         event->code },
+                                                           .time = now };
+    if (node->sdo_called)
+        return;
+    node->sdo_called = true;
+    network_put(node->net->network, &node->net->sdo, &token);
+}
+
+/* The next one whose client still waits; NULL: there is none. */
+static struct scan_verdict *next_verdict(struct scan_node *node)
+{
+    for (unsigned i = 0; node->active && i < node->verdict_count; i++) {
+        struct scan_verdict *verdict = &node->verdicts[node->verdict_next];
+        const bool pending = verdict->pending;
+
+        node->verdict_next = (node->verdict_next + 1) % node->verdict_count;
+        verdict->pending = false;
+        if (pending && slave_waits_for(&node->slave, verdict->transfer))
+            return verdict;
+    }
+    return NULL;
 }
 
 /* The bytes of the value; *ret_bytes is to be freed. False: no client waits any more. */
-static bool collect_verdict(struct scan_node *node, struct calls *calls, uint32_t *ret_number,
-                            uint8_t **ret_bytes)
+static bool collect_verdict(struct scan_node *node, struct calls *calls,
+                            struct slave_transfer *ret_transfer, uint8_t **ret_bytes)
 {
-    const struct scan_verdict verdict = node->verdict;
-    const struct od_entry *entry = od_find(&node->od, verdict.index, verdict.sub);
+    const struct scan_verdict *verdict = next_verdict(node);
+    const struct od_entry *entry;
 
-    node->verdict.pending = false;
-    *ret_number = verdict.number;
-    *ret_bytes = NULL;
-    if (!node->active || !verdict.pending || node->slave.server.number != verdict.number)
+    node->sdo_called = verdict != NULL;
+    if (!verdict)
         return false;
-    *ret_bytes = malloc(verdict.size + 1u);
-    begin_calls(node, verdict.time, calls);
+    entry = od_find(&node->od, verdict->index, verdict->sub);
+    *ret_transfer = verdict->transfer;
+    *ret_bytes = malloc(verdict->size + 1u);
+    begin_calls(node, verdict->time, calls);
     if (!*ret_bytes || !entry || !entry->owner)
         return true;
-    memcpy(*ret_bytes, sdo_server_value(&node->slave.server), verdict.size);
-    (*ret_bytes)[verdict.size] = 0;
-    scan_data_from(entry->type, *ret_bytes, verdict.size, &add_call(calls, entry)->data);
+    if (verdict->size > 0)
+        memcpy(*ret_bytes, slave_received(&node->slave, verdict->transfer), verdict->size);
+    (*ret_bytes)[verdict->size] = 0;
+    scan_data_from(entry->type, *ret_bytes, verdict->size, &add_call(calls, entry)->data);
     return true;
 }
 
@@ -328,30 +361,40 @@ static sdo_abort_t ask_handler(struct calls *calls)
     return code;
 }
 
-void scan_sdo_work(void *context, const void *element)
+static bool answer_client(struct scan_node *node)
 {
+    struct slave_transfer transfer;
     struct co_outbox *out;
-    struct scan_node *node;
     struct calls calls;
     uint8_t *bytes;
-    uint32_t number;
+    unsigned activation;
     sdo_abort_t code;
     co_us_t now;
     bool wanted;
 
-    (void)context;
+    scan_lock(node, &now);
+    wanted = collect_verdict(node, &calls, &transfer, &bytes);
+    activation = node->activations;
+    network_release(node->net->network);
+    if (!wanted)
+        return false;
+    code = ask_handler(&calls);
+    free(bytes);
+    out = scan_lock(node, &now);
+    if (node->active && node->activations == activation)
+        slave_verdict(&node->slave, transfer, code, now, out);
+    scan_unlock(node);
+    return true;
+}
+
+void scan_sdo_work(void *context, const void *element)
+{
+    struct scan_net *net = context;
+    struct scan_node *node;
+
     if (scan_enter_token(element, &node) != SCANOPEN_OK)
         return;
-    scan_lock(node, &now);
-    wanted = collect_verdict(node, &calls, &number, &bytes);
-    network_release(node->net->network);
-    if (wanted) {
-        code = ask_handler(&calls);
-        out = scan_lock(node, &now);
-        if (node->active)
-            slave_verdict(&node->slave, number, code, now, out);
-        scan_unlock(node);
-    }
-    free(bytes);
+    if (answer_client(node)) /* then perhaps others; after those of other nodes */
+        daemon_put(&net->sdo, element);
     scan_leave(node);
 }

@@ -179,11 +179,20 @@ static void make_identity(struct maker *self)
         add_u32(self, 0x1018, (uint8_t)(i + 1), OD_RO, identity[i]);
 }
 
-static void make_server(struct maker *self)
+/* The default channel, and others that a client has to open. */
+static void make_servers(struct maker *self)
 {
+    const unsigned count = wants(self, ADDITIONAL_SDOS) ? self->info->ucServerSDO : 1;
+
     add_count(self, 0x1200, 2);
     add_u32(self, 0x1200, 1, OD_RO, 0x600u + self->profile->id);
     add_u32(self, 0x1200, 2, OD_RO, 0x580u + self->profile->id);
+    for (uint16_t index = 0x1201; index < 0x1200 + count; index++) {
+        add_count(self, index, 3);
+        add_u32(self, index, 1, OD_RW, COB_ID_INVALID);
+        add_u32(self, index, 2, OD_RW, COB_ID_INVALID);
+        add(self, index, 3, OD_UNSIGNED8, OD_RW, 0);
+    }
 }
 
 static void make_behaviour(struct maker *self)
@@ -295,6 +304,6 @@ int scan_make_objects(const struct scan_profile *profile, struct od *od)
     make_heartbeat(&maker);
     make_identity(&maker);
     make_behaviour(&maker);
-    make_server(&maker);
+    make_servers(&maker);
     return maker.err == CO_OK ? SCANOPEN_OK : SCANOPEN_OUT_OF_MEMORY;
 }

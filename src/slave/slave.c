@@ -5,8 +5,6 @@
 
 #include <stdlib.h>
 
-#define BUFFER_MIN 1024u
-
 #define IS_NMT_MASTER  0x01u /* bits of 1F80h */
 #define DOES_NOT_START 0x04u
 
@@ -39,7 +37,7 @@ void slave_enter_state(struct slave *self, enum nmt_state state, co_us_t now, st
     self->state = (uint8_t)state;
     self->heartbeat.state = (uint8_t)state;
     self->guard.state = (uint8_t)state;
-    sdo_server_enable(&self->server, services);
+    slave_enable_channels(self, services);
     emcy_producer_enable(&self->emcy, services);
     slave_enable_sync(self, services);
     tell_state(self, out);
@@ -74,6 +72,7 @@ static void boot_up(struct slave *self, co_us_t now, struct co_outbox *out)
     hb_producer_start(&self->heartbeat, 0, false, now);
     slave_reset_errors(self);
     slave_reset_guarding(self);
+    slave_configure_channels(self);
     slave_reset_pdos(self, now);
     slave_configure_sync(self);
     self->boot_up_due = true;
@@ -118,19 +117,8 @@ static void drop_signature_limits(struct od *od)
         }
 }
 
-static uint32_t largest_capacity(const struct od *od)
-{
-    uint32_t largest = BUFFER_MIN;
-
-    for (size_t i = 0; i < od->count; i++)
-        if (od->entries[i]->capacity > largest)
-            largest = od->entries[i]->capacity;
-    return largest;
-}
-
 enum co_err slave_init(struct slave *self, uint8_t node, struct od *od)
 {
-    uint32_t capacity;
     enum co_err err;
 
     if (node < 1 || node > NMT_NODE_MAX)
@@ -141,15 +129,11 @@ enum co_err slave_init(struct slave *self, uint8_t node, struct od *od)
     if (err != CO_OK)
         return err;
     drop_signature_limits(od);
-    capacity = largest_capacity(od);
-    self->buffer = malloc(capacity);
-    if (self->buffer == NULL || slave_make_consumers(self) != CO_OK ||
+    if (slave_make_channels(self) != CO_OK || slave_make_consumers(self) != CO_OK ||
         slave_make_pdos(self) != CO_OK) {
         slave_done(self);
         return CO_ERR_MEMORY;
     }
-    sdo_server_init(&self->server, od, node, self->buffer, capacity);
-    sdo_server_enable(&self->server, false);
     hb_producer_init(&self->heartbeat, node);
     guard_slave_init(&self->guard, node);
     emcy_producer_init(&self->emcy, COB_ID_INVALID);
@@ -160,10 +144,9 @@ void slave_done(struct slave *self)
 {
     slave_free_factory(self);
     slave_free_pdos(self);
+    slave_free_channels(self);
     free(self->consumers);
-    free(self->buffer);
     self->consumers = NULL;
-    self->buffer = NULL;
 }
 
 void slave_start(struct slave *self, co_us_t now, struct co_outbox *out)
@@ -198,17 +181,18 @@ static void on_error_control(struct slave *self, const struct co_frame *frame, c
         slave_answer_guarding(self, frame, now, out);
 }
 
-/* Frames of services whose identifiers are fixed; false for others. */
-static bool on_fixed_frame(struct slave *self, const struct co_frame *frame, co_us_t now,
-                           struct co_outbox *out)
+/* Frames of NMT, error control and SDO; false for others. */
+static bool on_service_frame(struct slave *self, const struct co_frame *frame, co_us_t now,
+                             struct co_outbox *out)
 {
+    struct slave_channel *const channel = slave_channel_of(self, frame->id);
     enum nmt_command command;
 
     if (frame->id == NMT_CAN_ID) {
         if (nmt_command_for(frame, self->node, &command))
             slave_command(self, command, now, out);
-    } else if (frame->id == self->server.request_id) {
-        slave_serve(self, frame, now, out);
+    } else if (channel != NULL) {
+        slave_serve(self, channel, frame, now, out);
     } else if ((frame->id & 0x780u) == NMT_ERROR_CONTROL_ID) {
         if (is_on(self))
             on_error_control(self, frame, now, out);
@@ -224,7 +208,7 @@ void slave_on_frame(struct slave *self, const struct co_frame *frame, co_us_t no
     const bool own = (frame->flags & CO_FRAME_OWN) != 0;
 
     slave_step_pdos(self, now, out);
-    if (own || (frame->flags & CO_FRAME_EXT) != 0 || !on_fixed_frame(self, frame, now, out))
+    if (own || (frame->flags & CO_FRAME_EXT) != 0 || !on_service_frame(self, frame, now, out))
         if (own || !slave_hear_sync(self, frame, now, out))
             slave_hear_pdo(self, frame, now, out);
 }

@@ -42,10 +42,10 @@ enum slave_event {
     SLAVE_EMERGENCY, /* node, code, detail (1001h), data: it has raised an emergency */
     /*
      * A client has sent a value for an entry that is watched; the server waits for slave_verdict()
-     * and sdo_server_value() has the bytes.
+     * and slave_received() has the bytes.
      *   node, index, sub   the entry
      *   actual             bytes
-     *   code               number of the transfer
+     *   detail, code       channel and number of the transfer, struct slave_transfer
      */
     SLAVE_VERDICT,
     SLAVE_VERDICT_LATE, /* node, index, sub: none has come, the client was told 08000020h */
@@ -78,6 +78,21 @@ struct slave_consumer; /* one entry of 1016h */
 struct slave_factory;  /* the values that 1011h "load" brings back */
 struct slave_pdos;     /* what 1400h..1BFFh say */
 
+/* A client's write that the application is asked about. */
+struct slave_transfer {
+    uint8_t channel;
+    uint32_t number;
+};
+
+/* One of the device's SDO servers. */
+struct slave_channel {
+    uint16_t index;           /* 1200h .. 127Fh */
+    struct sdo_server server; /* its buffer is NULL until the first request */
+    bool verdict_due;         /* a verdict found no room in the outbox */
+    sdo_abort_t verdict;
+    uint32_t verdict_number;
+};
+
 struct slave {
     uint8_t node;
     uint8_t state;      /* enum nmt_state */
@@ -85,8 +100,9 @@ struct slave {
     bool boot_up_due;   /* initialising; goes on when the outbox has room */
     uint8_t reset_by;   /* ... because of this NMT command; 0: switched on */
     struct od *od;
-    struct sdo_server server;
-    uint8_t *buffer; /* of the SDO server */
+    struct slave_channel *channels; /* the first one is 1200h */
+    unsigned channel_count;
+    uint32_t buffer_size; /* of an SDO server */
     struct hb_producer heartbeat;
     struct emcy_producer emcy;
     uint8_t raised; /* bits of 1001h by slave_raise_error() */
@@ -111,9 +127,6 @@ struct slave {
     unsigned faults;            /* RPDOs, and SYNC, that are wrong: bit 4 of 1001h */
     unsigned listen_generation; /* counts what may have changed slave_listens() ... */
     unsigned sync_generation;   /* ... and what changes slave_sync_plan(), or makes it begin anew */
-    bool verdict_due;           /* a verdict found no room in the outbox */
-    sdo_abort_t verdict;
-    uint32_t verdict_number;
     unsigned late_verdicts;
 };
 
@@ -150,12 +163,14 @@ enum co_err slave_raise_error(struct slave *self, const struct emcy_message *err
 /* The errors with these bits of 1001h have gone: emergency 0000h. CO_ERR_AGAIN as above. */
 enum co_err slave_clear_error(struct slave *self, uint8_t bits, co_us_t now, struct co_outbox *out);
 
+/* The client of SLAVE_VERDICT still waits, and its value is there. */
+bool slave_waits_for(const struct slave *self, struct slave_transfer transfer);
+const uint8_t *slave_received(const struct slave *self, struct slave_transfer transfer);
 /*
- * What the application says of the value that SLAVE_VERDICT told of with this number: SDO_OK stores
- * it, if limits and state still allow, any other code goes to the client. A number whose transfer
- * has ended is ignored.
+ * What the application says of that value: SDO_OK stores it, if limits and state still allow, any
+ * other code goes to the client. A transfer that has ended is ignored.
  */
-void slave_verdict(struct slave *self, uint32_t number, sdo_abort_t code, co_us_t now,
-                   struct co_outbox *out);
+void slave_verdict(struct slave *self, struct slave_transfer transfer, sdo_abort_t code,
+                   co_us_t now, struct co_outbox *out);
 
 #endif

@@ -85,13 +85,26 @@ void slave_configure_guarding(struct slave *self, co_us_t now, struct co_outbox 
 /* The CAN-ID of a COB-ID, with COB_ID_EXT where it has 29 bits. */
 uint32_t slave_can_id(uint32_t cob_id);
 
-/* slave_sdo.c: the SDO server, and what its writes mean. */
+/* slave_servers.c: the SDO channels. */
+enum co_err slave_make_channels(struct slave *self);
+void slave_free_channels(struct slave *self);
+void slave_enable_channels(struct slave *self, bool enabled);
+/* False: there is no memory. */
+bool slave_give_buffer(const struct slave *self, struct slave_channel *channel);
+/* What 1201h.. say: of all of them, and of one. Another CAN-ID ends the channel's transfer. */
+void slave_configure_channels(struct slave *self);
+void slave_configure_channel(struct slave *self, uint16_t index);
+bool slave_is_additional_server(uint16_t index);
+/* The channel whose clients' requests have this CAN-ID, or NULL. */
+struct slave_channel *slave_channel_of(const struct slave *self, uint32_t can_id);
+
+/* slave_sdo.c: what an SDO server does, and what its writes mean. */
 co_us_t slave_heartbeat_period(const struct slave *self);
 /* What a new value of a communication object changes besides the dictionary. */
 void slave_take_over(struct slave *self, uint16_t index, uint8_t sub, co_us_t now,
                      struct co_outbox *out);
-void slave_serve(struct slave *self, const struct co_frame *request, co_us_t now,
-                 struct co_outbox *out);
+void slave_serve(struct slave *self, struct slave_channel *channel, const struct co_frame *request,
+                 co_us_t now, struct co_outbox *out);
 void slave_step_sdo(struct slave *self, co_us_t now, struct co_outbox *out);
 co_us_t slave_sdo_deadline(const struct slave *self);
 

@@ -510,7 +510,9 @@ unsigned slave_listens(const struct slave *self, struct slave_filter *ret_filter
     struct list list = { .filters = ret_filters, .max = max };
 
     add_filter(&list, NMT_CAN_ID, false);
-    add_filter(&list, self->server.request_id, false);
+    for (unsigned i = 0; i < self->channel_count; i++)
+        if (self->channels[i].server.request_id != 0)
+            add_filter(&list, self->channels[i].server.request_id, false);
     add_filter(&list, NMT_ERROR_CONTROL_ID + self->node, true);
     if (self->consumes_sync)
         add_filter(&list, slave_can_id(self->sync_heard.cob_id), false);

@@ -31,6 +31,8 @@ void slave_take_over(struct slave *self, uint16_t index, uint8_t sub, co_us_t no
         slave_configure_consumer(self, sub);
         slave_watch_consumers(self, now, out);
         self->listen_generation++;
+    } else if (slave_is_additional_server(index)) {
+        slave_configure_channel(self, index);
     } else if (index == 0x1017) {
         hb_producer_start(&self->heartbeat, slave_heartbeat_period(self), true, now);
         slave_configure_guarding(self, now, out);
@@ -39,9 +41,10 @@ void slave_take_over(struct slave *self, uint16_t index, uint8_t sub, co_us_t no
 }
 
 /* The value in the server's buffer. */
-static struct slave_write received_write(const struct slave *self)
+static struct slave_write received_write(const struct slave *self,
+                                         const struct slave_channel *channel)
 {
-    const struct sdo_server *server = &self->server;
+    const struct sdo_server *server = &channel->server;
     const uint8_t *value = sdo_server_value(server);
 
     return (struct slave_write){ .od = self->od,
@@ -71,8 +74,9 @@ static sdo_abort_t store_value(struct slave *self, const struct slave_write *wri
 }
 
 /* Stores the value if the code says so, and answers. */
-static void finish_write(struct slave *self, const struct slave_write *write, sdo_abort_t code,
-                         co_us_t now, struct co_outbox *out)
+static void finish_write(struct slave *self, struct slave_channel *channel,
+                         const struct slave_write *write, sdo_abort_t code, co_us_t now,
+                         struct co_outbox *out)
 {
     const struct co_event event = { .type = SLAVE_WRITTEN,
                                     .node = self->node,
@@ -83,18 +87,23 @@ static void finish_write(struct slave *self, const struct slave_write *write, sd
 
     if (code == SDO_OK)
         code = store_value(self, write);
-    sdo_server_verdict(&self->server, code, now, out);
+    sdo_server_verdict(&channel->server, code, now, out);
     if (code != SDO_OK)
         return;
     co_outbox_put_event(out, &event);
-    slave_take_over(self, event.index, event.sub, now, out);
+    slave_take_over(self, event.index, event.sub, now, out); /* that may close the channel */
     if (other)
         slave_mapped_changed(self, write->entry, now, out);
 }
 
+static uint8_t place_of(const struct slave *self, const struct slave_channel *channel)
+{
+    return (uint8_t)(channel - self->channels);
+}
+
 /* What the device itself has against it comes before the application is asked. */
-static void ask_for_verdict(struct slave *self, const struct slave_write *write, co_us_t now,
-                            struct co_outbox *out)
+static void ask_for_verdict(struct slave *self, struct slave_channel *channel,
+                            const struct slave_write *write, co_us_t now, struct co_outbox *out)
 {
     const sdo_abort_t code = slave_check_write(write);
     const struct co_event event = { .type = SLAVE_VERDICT,
@@ -102,59 +111,76 @@ static void ask_for_verdict(struct slave *self, const struct slave_write *write,
                                     .index = write->entry->index,
                                     .sub = write->entry->sub,
                                     .actual = write->size,
-                                    .code = self->server.number };
+                                    .detail = place_of(self, channel),
+                                    .code = channel->server.number };
 
     if (code == SDO_OK)
         co_outbox_put_event(out, &event);
     else
-        sdo_server_verdict(&self->server, code, now, out);
+        sdo_server_verdict(&channel->server, code, now, out);
 }
 
-static void take_write(struct slave *self, co_us_t now, struct co_outbox *out)
+static void take_write(struct slave *self, struct slave_channel *channel, co_us_t now,
+                       struct co_outbox *out)
 {
-    const struct slave_write write = received_write(self);
+    const struct slave_write write = received_write(self, channel);
 
     if (write.entry->watched)
-        ask_for_verdict(self, &write, now, out);
+        ask_for_verdict(self, channel, &write, now, out);
     else
-        finish_write(self, &write, SDO_OK, now, out);
+        finish_write(self, channel, &write, SDO_OK, now, out);
 }
 
-static bool waits_for_verdict(const struct slave *self, uint32_t number, co_us_t now)
+static bool waits_for_verdict(const struct sdo_server *server, uint32_t number)
 {
-    const struct sdo_server *server = &self->server;
-
-    return server->state == SDO_SERVER_VERDICT && server->number == number && !server->unsent &&
-           now < server->deadline;
+    return server->state == SDO_SERVER_VERDICT && server->number == number && !server->unsent;
 }
 
-static void execute_verdict(struct slave *self, co_us_t now, struct co_outbox *out)
+static void execute_verdict(struct slave *self, struct slave_channel *channel, co_us_t now,
+                            struct co_outbox *out)
 {
     struct slave_write write;
 
-    if (!self->verdict_due || !has_room(out))
+    if (!channel->verdict_due || !has_room(out))
         return;
-    self->verdict_due = false;
-    if (!waits_for_verdict(self, self->verdict_number, now))
+    channel->verdict_due = false;
+    if (!waits_for_verdict(&channel->server, channel->verdict_number) ||
+        now >= channel->server.deadline)
         return;
-    write = received_write(self);
-    finish_write(self, &write, self->verdict, now, out);
+    write = received_write(self, channel);
+    finish_write(self, channel, &write, channel->verdict, now, out);
 }
 
-void slave_verdict(struct slave *self, uint32_t number, sdo_abort_t code, co_us_t now,
-                   struct co_outbox *out)
+bool slave_waits_for(const struct slave *self, struct slave_transfer transfer)
 {
-    if (self->verdict_due || !waits_for_verdict(self, number, now))
-        return;
-    self->verdict = code;
-    self->verdict_number = number;
-    self->verdict_due = true;
-    execute_verdict(self, now, out);
+    return transfer.channel < self->channel_count &&
+           waits_for_verdict(&self->channels[transfer.channel].server, transfer.number);
 }
 
-/* Steps the SDO server, with a frame or without; there is room for what it may give. */
-static void step_server(struct slave *self, const struct co_frame *request, co_us_t now,
-                        struct co_outbox *out)
+const uint8_t *slave_received(const struct slave *self, struct slave_transfer transfer)
+{
+    return sdo_server_value(&self->channels[transfer.channel].server);
+}
+
+void slave_verdict(struct slave *self, struct slave_transfer transfer, sdo_abort_t code,
+                   co_us_t now, struct co_outbox *out)
+{
+    struct slave_channel *channel;
+
+    if (!slave_waits_for(self, transfer))
+        return;
+    channel = &self->channels[transfer.channel];
+    if (channel->verdict_due || now >= channel->server.deadline)
+        return;
+    channel->verdict = code;
+    channel->verdict_number = transfer.number;
+    channel->verdict_due = true;
+    execute_verdict(self, channel, now, out);
+}
+
+/* Steps a server, with a frame or without; there is room for what it may give. */
+static void step_server(struct slave *self, struct slave_channel *channel,
+                        const struct co_frame *request, co_us_t now, struct co_outbox *out)
 {
     struct co_frame frames[2], frame;
     struct co_event events[2], event;
@@ -162,69 +188,88 @@ static void step_server(struct slave *self, const struct co_frame *request, co_u
 
     co_outbox_init(&inner, frames, 2, events, 2);
     if (request != NULL)
-        sdo_server_on_frame(&self->server, request, now, &inner);
+        sdo_server_on_frame(&channel->server, request, now, &inner);
     else
-        sdo_server_on_time(&self->server, now, &inner);
+        sdo_server_on_time(&channel->server, now, &inner);
     while (co_outbox_take_frame(&inner, &frame))
         co_outbox_put_frame(out, &frame);
     while (co_outbox_take_event(&inner, &event))
         if (event.type == PROTO_SDO_WRITE)
-            take_write(self, now, out);
+            take_write(self, channel, now, out);
 }
 
-static void refuse_history(struct slave *self, const struct co_frame *request, co_us_t now,
-                           struct co_outbox *out)
+static void refuse_history(struct slave_channel *channel, const struct co_frame *request,
+                           co_us_t now, struct co_outbox *out)
 {
     struct co_frame frame = *request;
 
     frame.data[0] = 0x80;
     put_le32(frame.data + 4, SDO_NO_DATA);
-    sdo_server_on_frame(&self->server, &frame, now, out);
-    frame.id = self->server.response_id;
+    sdo_server_on_frame(&channel->server, &frame, now, out);
+    frame.id = channel->server.response_id;
     frame.tag = 0;
     co_outbox_put_frame(out, &frame);
 }
 
-void slave_serve(struct slave *self, const struct co_frame *request, co_us_t now,
-                 struct co_outbox *out)
+void slave_serve(struct slave *self, struct slave_channel *channel, const struct co_frame *request,
+                 co_us_t now, struct co_outbox *out)
 {
-    if (!self->server.enabled)
+    if (!channel->server.enabled)
         return;
-    execute_verdict(self, now, out); /* if that still waits for room, it ends with its transfer */
+    /* If that still waits for room, it ends with its transfer. */
+    execute_verdict(self, channel, now, out);
+    slave_give_buffer(self, channel); /* without one, what needs it is refused */
     if (!has_room(out))
-        self->server.dropped++;
+        channel->server.dropped++;
     else if (slave_history_lacks(self, request))
-        refuse_history(self, request, now, out);
+        refuse_history(channel, request, now, out);
     else
-        step_server(self, request, now, out);
+        step_server(self, channel, request, now, out);
 }
 
-static void tell_late_verdict(struct slave *self, struct co_outbox *out)
+static void tell_late_verdict(struct slave *self, const struct slave_channel *channel,
+                              struct co_outbox *out)
 {
     const struct co_event event = { .type = SLAVE_VERDICT_LATE,
                                     .node = self->node,
-                                    .index = self->server.index,
-                                    .sub = self->server.sub };
+                                    .index = channel->server.index,
+                                    .sub = channel->server.sub };
 
     self->late_verdicts++;
     co_outbox_put_event(out, &event);
 }
 
-void slave_step_sdo(struct slave *self, co_us_t now, struct co_outbox *out)
+static void step_channel(struct slave *self, struct slave_channel *channel, co_us_t now,
+                         struct co_outbox *out)
 {
-    const struct sdo_server *server = &self->server;
+    const struct sdo_server *server = &channel->server;
     bool late;
 
-    execute_verdict(self, now, out);
+    execute_verdict(self, channel, now, out);
     if (sdo_server_deadline(server) > now || !has_room(out))
         return;
     late = server->state == SDO_SERVER_VERDICT && !server->unsent;
-    step_server(self, NULL, now, out);
+    step_server(self, channel, NULL, now, out);
     if (late)
-        tell_late_verdict(self, out);
+        tell_late_verdict(self, channel, out);
+}
+
+void slave_step_sdo(struct slave *self, co_us_t now, struct co_outbox *out)
+{
+    for (unsigned i = 0; i < self->channel_count; i++)
+        step_channel(self, &self->channels[i], now, out);
 }
 
 co_us_t slave_sdo_deadline(const struct slave *self)
 {
-    return self->verdict_due ? 0 : sdo_server_deadline(&self->server);
+    co_us_t deadline = CO_NEVER;
+
+    for (unsigned i = 0; i < self->channel_count; i++) {
+        const struct slave_channel *channel = &self->channels[i];
+
+        if (channel->verdict_due)
+            return 0;
+        deadline = co_earlier(deadline, sdo_server_deadline(&channel->server));
+    }
+    return deadline;
 }

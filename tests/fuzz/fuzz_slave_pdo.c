@@ -155,6 +155,8 @@ static void apply(struct fuzz *self, struct input *input)
 {
     const uint8_t what = take(input), which = take(input);
     const uint16_t number = which % 5;
+    const struct slave_transfer transfer = { 0,
+                                             self->slave.channels[0].server.number - (which & 1) };
     struct od_entry *entry = od_find(&self->od, (uint16_t)(0x2000 + which % 4), 0);
 
     switch (what % 8) {
@@ -170,8 +172,8 @@ static void apply(struct fuzz *self, struct input *input)
     case 4: slave_rpdo_request(&self->slave, number, self->now, &self->out); break;
     case 5: slave_sync_external(&self->slave, which & 1); break;
     case 6:
-        slave_verdict(&self->slave, self->slave.server.number - (which & 1),
-                      which & 2 ? SDO_VALUE_HIGH : SDO_OK, self->now, &self->out);
+        slave_verdict(&self->slave, transfer, which & 2 ? SDO_VALUE_HIGH : SDO_OK, self->now,
+                      &self->out);
         break;
     default: self->slave.accept_long = which & 1; break;
     }

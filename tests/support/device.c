@@ -154,8 +154,10 @@ static bool describe_service(const struct co_event *event, char *text, size_t si
         break;
     case SLAVE_EMERGENCY: snprintf(text, size, "emcy %04X %02X", event->code, event->detail); break;
     case SLAVE_VERDICT:
-        snprintf(text, size, "verdict %u on %04X:%02X, %u bytes", event->code, event->index,
-                 event->sub, (unsigned)event->actual);
+        size -= (size_t)snprintf(text, size, "verdict %u on %04X:%02X, %u bytes", event->code,
+                                 event->index, event->sub, (unsigned)event->actual);
+        if (event->detail != 0)
+            snprintf(text + strlen(text), size, ", channel %u", event->detail);
         break;
     case SLAVE_VERDICT_LATE:
         snprintf(text, size, "no verdict on %04X:%02X", event->index, event->sub);
@@ -315,8 +317,8 @@ static enum co_err do_call(struct device *self, const char *text)
         slave_pdo_set_flags(slave, PDO_TRANSMIT, (uint16_t)a, (uint8_t)b);
     else if (sscanf(text, "answer %u %u", &a, &b) == 2)
         slave_tpdo_answer(slave, (uint16_t)a, b, self->now, out);
-    else if (sscanf(text, "verdict %u %x", &a, &b) == 2)
-        slave_verdict(slave, a, b, self->now, out);
+    else if (sscanf(text, "verdict %u %x at %u", &a, &b, &c) >= 2)
+        slave_verdict(slave, (struct slave_transfer){ (uint8_t)c, a }, b, self->now, out);
     else if (sscanf(text, "watch %x:%x", &a, &b) == 2)
         watch(self, a, b);
     else if (strcmp(text, "hold") == 0 || strcmp(text, "release") == 0)

@@ -62,9 +62,9 @@ sdo_abort_t device_read(struct device *self, uint16_t index, uint8_t sub, uint32
 uint32_t device_value(struct device *self, uint16_t index, uint8_t sub);
 
 /*
- * "send N", "set INDEX:SUB VALUE", "answer N ASK", "hold", "release", "request N", "flags rN|tN F",
- * "verdict N CODE", "watch INDEX:SUB"; with " -> E" behind it: enum co_err that is to be returned,
- * as a number.
+ * "send N", "set INDEX:SUB VALUE", "answer N ASK", "hold", "release", "request N", "flags rN|tN
+ * F", "verdict N CODE [at CHANNEL]", "watch INDEX:SUB"; with " -> E" behind it: enum co_err that
+ * is to be returned, as a number.
  */
 void device_do(struct device *self, const char *text);
 

@@ -1,5 +1,5 @@
 /*
- * mcanopen: boot a CANopen network, simulate its devices, watch its bus.
+ * mcanopen: boot a CANopen network, simulate its devices, watch its bus, test a device.
  */
 #include "verbs.h"
 
@@ -15,6 +15,7 @@ static const char usage[] =
     "  sim NETWORK.xml            simulate the devices of a network from their EDS/DCF files\n"
     "  sim --node 5 DEVICE.eds    simulate single devices\n"
     "  dump BUS                   print the frames of a bus, as candump -L does\n"
+    "  conform --node 5           test whether a device conforms to CiA 301\n"
     "\n"
     "'mcanopen VERB --help' tells the options of a verb.\n"
     "A bus is a SocketCAN interface (can0, vcan0) or \"virtual:NAME\", a bus of this machine\n"
@@ -28,6 +29,7 @@ static const struct verb {
     { "boot", verb_boot },
     { "sim", verb_sim },
     { "dump", verb_dump },
+    { "conform", verb_conform },
 };
 
 /* Who reads the output later must not take a part for the whole. */

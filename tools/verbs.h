@@ -15,6 +15,7 @@ enum exit_code {
 int verb_boot(int argc, char **argv);
 int verb_sim(int argc, char **argv);
 int verb_dump(int argc, char **argv);
+int verb_conform(int argc, char **argv);
 
 /*
  * SIGINT and SIGTERM as a file descriptor to poll; blocked in this and all later threads.

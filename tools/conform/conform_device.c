@@ -1,0 +1,217 @@
+#include "conform.h"
+
+#include "api/load.h"
+#include "mcanopen.h"
+#include "od/abort.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define FIRST_PROBED 0x1000u
+#define LAST_PROBED  0x1FFFu
+
+/* --- objects of the EDS --- */
+
+struct messages {
+    FILE *stream;
+};
+
+static void keep_message(void *context, enum co_severity severity, const char *text)
+{
+    const struct messages *self = context;
+
+    (void)severity;
+    fprintf(self->stream, "%s\n", text);
+}
+
+/* A file with errors is a finding of the family "eds"; the run goes on as if there were none. */
+static bool read_eds(struct conform *self)
+{
+    struct messages messages;
+    struct co_report report = { .sink = keep_message, .context = &messages };
+    size_t size;
+
+    messages.stream = open_memstream(&self->eds_messages, &size);
+    if (!messages.stream)
+        return false;
+    self->has_eds = load_dcf(self->options.eds, &report, &self->eds) == MCANOPEN_OK;
+    fclose(messages.stream);
+    return true;
+}
+
+static struct conform_object *add_object(struct conform *self, uint16_t index, uint8_t sub)
+{
+    struct conform_object *objects = realloc(self->objects,
+                                             (self->object_count + 1) * sizeof *objects);
+
+    if (!objects)
+        return NULL;
+    self->objects = objects;
+    objects[self->object_count] = (struct conform_object){ .index = index,
+                                                           .sub = sub,
+                                                           .access = CONFORM_UNKNOWN };
+    return &objects[self->object_count++];
+}
+
+static bool take_eds_objects(struct conform *self)
+{
+    for (size_t i = 0; i < self->eds.count; i++) {
+        const struct dcf_entry *entry = &self->eds.entries[i];
+        struct conform_object *object;
+
+        if (entry->index < FIRST_PROBED || entry->access == OD_NONE)
+            continue;
+        object = add_object(self, entry->index, entry->sub);
+        if (!object)
+            return false;
+        object->type = entry->type;
+        object->access = entry->access;
+        object->entry = entry;
+    }
+    return true;
+}
+
+/* --- objects found by reading --- */
+
+static bool is_absent(uint32_t result)
+{
+    return result == SDO_NO_OBJECT || result == SDO_NO_SUB || result == SDO_GENERAL;
+}
+
+/* A number in sub-index 0 of an object that has a sub-index 1 counts the others. */
+static bool probe_subs(struct conform *self, uint16_t index, const struct conform_value *first)
+{
+    struct conform_value value;
+
+    if (first->size != 1 || is_absent(conform_read(self, index, 1, &value)))
+        return true;
+    for (unsigned sub = 1; sub == 1 || sub <= first->bytes[0]; sub++) {
+        const uint32_t result = conform_read(self, index, (uint8_t)sub, &value);
+
+        if (result == CONFORM_NO_ANSWER || sub == 0xFF)
+            break;
+        if (!is_absent(result) && !add_object(self, index, (uint8_t)sub))
+            return false;
+    }
+    return true;
+}
+
+static bool probe_objects(struct conform *self)
+{
+    for (uint32_t index = FIRST_PROBED; index <= LAST_PROBED; index++) {
+        struct conform_value value;
+        const uint32_t result = conform_read(self, (uint16_t)index, 0, &value);
+
+        self->frame_count = 0;
+        if (result == CONFORM_NO_ANSWER)
+            break;
+        if (is_absent(result))
+            continue;
+        if (!add_object(self, (uint16_t)index, 0) || !probe_subs(self, (uint16_t)index, &value))
+            return false;
+    }
+    return true;
+}
+
+bool conform_know_device(struct conform *self)
+{
+    if (self->options.eds && !read_eds(self))
+        return false;
+    return self->has_eds ? take_eds_objects(self) : probe_objects(self);
+}
+
+void conform_forget_device(struct conform *self)
+{
+    if (self->has_eds)
+        dcf_done(&self->eds);
+    free(self->eds_messages);
+    free(self->objects);
+}
+
+/* --- looking for objects --- */
+
+const struct conform_object *conform_find(const struct conform *self, uint16_t index, uint8_t sub)
+{
+    for (size_t i = 0; i < self->object_count; i++)
+        if (self->objects[i].index == index && self->objects[i].sub == sub)
+            return &self->objects[i];
+    return NULL;
+}
+
+bool conform_has(const struct conform *self, uint16_t index)
+{
+    for (size_t i = 0; i < self->object_count; i++)
+        if (self->objects[i].index == index)
+            return true;
+    return false;
+}
+
+bool conform_need_object(struct conform *self, uint16_t index)
+{
+    return conform_has(self, index) || conform_skip(self, "the device has no %04Xh", index);
+}
+
+static bool is_writable(const struct conform_object *object)
+{
+    return object->access == OD_RW || object->access == OD_RWR || object->access == OD_RWW;
+}
+
+/* Whose access right is not known is asked for it. */
+static bool can_write_back(struct conform *self, const struct conform_object *object, uint32_t size)
+{
+    struct conform_value value;
+
+    if (object->access != CONFORM_UNKNOWN && !is_writable(object))
+        return false;
+    if (conform_read(self, object->index, object->sub, &value) != SDO_OK || value.size != size)
+        return false;
+    return object->access != CONFORM_UNKNOWN ||
+           conform_write(self, object->index, object->sub, value.bytes, size) == SDO_OK;
+}
+
+const struct conform_object *conform_writable(struct conform *self, uint32_t size)
+{
+    static const struct {
+        uint16_t index;
+        uint8_t sub;
+    } preferred[] = { { 0x1017, 0 }, { 0x100C, 0 }, { 0x100D, 0 }, { 0x1015, 0 },
+                      { 0x1007, 0 }, { 0x1006, 0 }, { 0x1016, 1 }, { 0x1029, 1 },
+                      { 0x1400, 2 }, { 0x1800, 2 }, { 0x1005, 0 }, { 0x1014, 0 } };
+
+    for (size_t i = 0; i < sizeof preferred / sizeof preferred[0]; i++) {
+        const struct conform_object *object = conform_find(self, preferred[i].index,
+                                                           preferred[i].sub);
+
+        if (object && can_write_back(self, object, size))
+            return object;
+    }
+    for (size_t i = 0; i < self->object_count; i++) {
+        const struct conform_object *object = &self->objects[i];
+
+        if (object->index >= 0x2000 && object->entry && (object->entry->flags & 1u) == 0 &&
+            od_type_size(object->type) == size && can_write_back(self, object, size))
+            return object;
+    }
+    return NULL;
+}
+
+static bool may_be_long(const struct conform_object *object)
+{
+    const uint32_t size = od_type_size(object->type);
+
+    return object->access != OD_WO && (object->type == 0 || size == 0 || size > 4);
+}
+
+const struct conform_object *conform_long_object(struct conform *self, uint32_t size)
+{
+    struct conform_value value;
+
+    for (size_t i = 0; i < self->object_count; i++) {
+        const struct conform_object *object = &self->objects[i];
+
+        if (may_be_long(object) &&
+            conform_read(self, object->index, object->sub, &value) == SDO_OK && value.size >= size)
+            return object;
+    }
+    return NULL;
+}

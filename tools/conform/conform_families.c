@@ -1,0 +1,9 @@
+#include "conform_families.h"
+
+/* In the order in which they run. */
+const struct conform_family *const conform_families[] = {
+    &conform_eds,
+    &conform_sdo,
+};
+
+const size_t conform_family_count = sizeof conform_families / sizeof conform_families[0];

@@ -1,0 +1,12 @@
+/*
+ * The families of checks, each in files check_<family>*.c.
+ */
+#ifndef TOOLS_CONFORM_FAMILIES_H
+#define TOOLS_CONFORM_FAMILIES_H
+
+#include "conform.h"
+
+extern const struct conform_family conform_eds;
+extern const struct conform_family conform_sdo;
+
+#endif

@@ -1,6 +1,7 @@
 /*
  * mcanopen sim: simulated devices on a bus, each made from its EDS or DCF file alone.
  */
+#include "mcanopen_sim_gate.h"
 #include "mcanopen_sim_values.h"
 #include "verbs.h"
 
@@ -41,6 +42,9 @@ static const char usage[] =
     "                                       (100): --ramp 5:6401:1=0..1000/2000\n"
     "  --toggle ID:INDEX[:SUB]=A..B/MS      A and B in turns: --toggle 5:6000:1=0..255/500\n"
     "\n"
+    "For tests of testers:\n"
+    "  --defect NAME    the one device does this wrong; may be repeated; 'help' lists all\n"
+    "\n"
     "  -q, --quiet      no warnings about the files\n"
     "  -v, --verbose    tell the NMT states of the devices\n"
     "  -h, --help       this text\n"
@@ -65,6 +69,8 @@ struct sim {
     struct sim_device devices[NMT_NODE_MAX + 1];
     struct sim_value values[VALUES_MAX];
     unsigned value_count;
+    struct sim_gate gate; /* with defects */
+    bool gate_open;
 };
 
 static void print_message(void *context, enum co_severity severity, const char *text)
@@ -260,14 +266,55 @@ static void name_bus(const struct sim *self, char *bus, size_t size)
     setenv(variable, bus, 1);
 }
 
-static int simulate(struct sim *self)
+/* 0: none, or several. */
+static uint8_t only_device(const struct sim *self)
+{
+    uint8_t found = 0;
+
+    for (uint8_t node = 1; node <= NMT_NODE_MAX; node++) {
+        if (!self->devices[node].wanted || self->devices[node].without)
+            continue;
+        if (found)
+            return 0;
+        found = node;
+    }
+    return found;
+}
+
+static bool check_defects(const struct sim *self)
+{
+    if (self->gate.use_count == 0 || only_device(self))
+        return true;
+    fprintf(stderr, "mcanopen sim: --defect: expected one device\n");
+    return false;
+}
+
+/* Defects are made on the way to the bus: the device gets a bus of its own. */
+static bool open_gate(struct sim *self, const char *bus)
+{
+    char inside[GATE_NAME_SIZE], variable[32];
+
+    if (self->gate.use_count == 0)
+        return true;
+    if (!sim_gate_open(&self->gate, bus, only_device(self), inside))
+        return false;
+    self->gate_open = true;
+    snprintf(variable, sizeof variable, "MCANOPEN_NET_%d", network_number(self));
+    setenv(variable, inside, 1);
+    return true;
+}
+
+static void close_gate(struct sim *self)
+{
+    if (self->gate_open)
+        sim_gate_close(&self->gate);
+}
+
+static int simulate_on(struct sim *self, const char *bus)
 {
     SLAVE_NET_INFO info = { .usBaudrate = BAUDRATE_AS_IT_IS };
-    char bus[64];
     int result = EXIT_USAGE;
 
-    mcanOpenSetLog(on_log, self);
-    name_bus(self, bus, sizeof bus);
     if (self->config && self->config->baudrate != 0)
         info.usBaudrate = (unsigned short)self->config->baudrate;
     self->opening = true;
@@ -278,6 +325,19 @@ static int simulate(struct sim *self)
         result = run(self, bus);
     free_devices(self);
     canOpenRemoveNetwork(network_number(self));
+    return result;
+}
+
+static int simulate(struct sim *self)
+{
+    char bus[64];
+    int result = EXIT_BUS;
+
+    mcanOpenSetLog(on_log, self);
+    name_bus(self, bus, sizeof bus);
+    if (open_gate(self, bus))
+        result = simulate_on(self, bus);
+    close_gate(self);
     return result;
 }
 
@@ -345,26 +405,54 @@ static bool take_value(struct sim *self, enum sim_motion motion)
     return sim_value_parse(motion, optarg, &self->values[self->value_count++]);
 }
 
-static bool take_option(struct sim *self, int option, int argc, char **argv)
+static bool take_defect(struct sim *self)
+{
+    const struct sim_defect *defect = sim_defect_find(optarg);
+
+    if (strcmp(optarg, "help") == 0) {
+        sim_defect_list();
+        exit(EXIT_UP);
+    }
+    if (!defect)
+        fprintf(stderr, "mcanopen sim: --defect %s: there is none ('help' lists all)\n", optarg);
+    else if (sim_gate_add(&self->gate, defect))
+        return true;
+    else
+        fprintf(stderr, "mcanopen sim: more than %u defects\n", DEFECTS_MAX);
+    return false;
+}
+
+static bool take_net(struct sim *self)
 {
     uint8_t number;
 
+    if (!parse_number("--net", optarg, 0, UINT8_MAX, &number))
+        return false;
+    self->net = number;
+    return true;
+}
+
+static bool take_without(struct sim *self)
+{
+    uint8_t number;
+
+    if (!parse_number("--without", optarg, 1, NMT_NODE_MAX, &number))
+        return false;
+    self->devices[number].without = true;
+    return true;
+}
+
+static bool take_option(struct sim *self, int option, int argc, char **argv)
+{
     switch (option) {
     case 'n': return take_node(self, argc, argv);
-    case 'w':
-        if (!parse_number("--without", optarg, 1, NMT_NODE_MAX, &number))
-            return false;
-        self->devices[number].without = true;
-        return true;
+    case 'w': return take_without(self);
     case 'b': self->bus = optarg; return true;
-    case 'N':
-        if (!parse_number("--net", optarg, 0, UINT8_MAX, &number))
-            return false;
-        self->net = number;
-        return true;
+    case 'N': return take_net(self);
     case 's': return take_value(self, SIM_SET);
     case 'r': return take_value(self, SIM_RAMP);
     case 't': return take_value(self, SIM_TOGGLE);
+    case 'd': return take_defect(self);
     case 'q': self->quiet = true; return true;
     case 'v': self->verbose = true; return true;
     default: fputs(usage, stderr); return false;
@@ -373,17 +461,14 @@ static bool take_option(struct sim *self, int option, int argc, char **argv)
 
 static bool parse_options(struct sim *self, int argc, char **argv)
 {
-    static const struct option options[] = { { "node", required_argument, NULL, 'n' },
-                                             { "without", required_argument, NULL, 'w' },
-                                             { "bus", required_argument, NULL, 'b' },
-                                             { "net", required_argument, NULL, 'N' },
-                                             { "set", required_argument, NULL, 's' },
-                                             { "ramp", required_argument, NULL, 'r' },
-                                             { "toggle", required_argument, NULL, 't' },
-                                             { "quiet", no_argument, NULL, 'q' },
-                                             { "verbose", no_argument, NULL, 'v' },
-                                             { "help", no_argument, NULL, 'h' },
-                                             { NULL, 0, NULL, 0 } };
+    static const struct option options[] = {
+        { "node", required_argument, NULL, 'n' },   { "without", required_argument, NULL, 'w' },
+        { "bus", required_argument, NULL, 'b' },    { "net", required_argument, NULL, 'N' },
+        { "set", required_argument, NULL, 's' },    { "ramp", required_argument, NULL, 'r' },
+        { "toggle", required_argument, NULL, 't' }, { "defect", required_argument, NULL, 'd' },
+        { "quiet", no_argument, NULL, 'q' },        { "verbose", no_argument, NULL, 'v' },
+        { "help", no_argument, NULL, 'h' },         { NULL, 0, NULL, 0 }
+    };
     int option;
     bool any = false;
 
@@ -417,7 +502,8 @@ int verb_sim(int argc, char **argv)
     if (!self)
         return EXIT_USAGE;
     self->net = -1;
-    if (parse_options(self, argc, argv) && (!self->xml || read_network(self)))
+    if (parse_options(self, argc, argv) && (!self->xml || read_network(self)) &&
+        check_defects(self))
         result = simulate(self);
     network_config_free(self->networks, self->network_count);
     free(self);

@@ -181,7 +181,9 @@ class BadCommand(plant.PlantTest):
         for words in (["boot", "--timeout", "0", "a"], ["boot", "--timeout", "soon", "a"],
                       ["sim", "--node", "0", "a"], ["sim", "--node", "128", "a"],
                       ["sim", "--node", "5"], ["sim", "--without", "x", "a"],
-                      ["sim", "--net", "x", "a"], ["dump", "-n", "x", "a"]):
+                      ["sim", "--net", "x", "a"], ["sim", "--defect", "none", "a"],
+                      ["sim", "--defect", "nmt-stop", "--node", "5", "a", "--node", "6", "b"],
+                      ["dump", "-n", "x", "a"]):
             with self.subTest(" ".join(words)):
                 self.refused(words, USAGE, words[1])
 

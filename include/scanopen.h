@@ -336,6 +336,19 @@ MCANOPEN_API int canOpenSetError(HNODE Hnode, unsigned short ErrorCode,
 MCANOPEN_API int canOpenResetError(HNODE Hnode, unsigned short ErrorRegister,
                                    const unsigned char *ErrorField);
 
+/* time ----------------------------------------------------------------------------------------- */
+
+/*
+ * Ours: sends TIME (CiA 301, 7.2.6) on the CAN-ID of 1012h: *Time, or with NULL the system's clock
+ * in UTC.
+ *
+ *   SCANOPEN_WRONG_PARAMETER      ulMs is above 86399999
+ *   SCANOPEN_WRONG_NODESTATE      neither pre-operational nor operational
+ *   SCANOPEN_SERVICE_NOT_ALLOWED  the node has no 1012h, or that does not make it a producer (bit
+ *                                 30)
+ */
+MCANOPEN_API int canOpenSendTime(HNODE HNode, const CAN_TIME_OF_DAY *Time);
+
 /* versions and parameters ---------------------------------------------------------------------- */
 
 /* The versions of the parts of this library, which are all the same. versions may be NULL. */

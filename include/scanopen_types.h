@@ -120,6 +120,8 @@ typedef struct {
  *   EV_HANDLER (ours)     EV_TIMEOUT               index << 8 | sub-index: an object handler
  *                                                  gave no verdict within 1 s; the SDO write
  *                                                  was refused
+ *   EV_TIME (ours)        -                        pArg2: CAN_TIME_OF_DAY *, valid during the call:
+ *                                                  TIME was received
  */
 #define EV_GUARDING           0x00000001UL
 #define EV_STATE_CHANGE       0x00000002UL
@@ -131,6 +133,7 @@ typedef struct {
 #define EV_WRITE_DICTIONARY   0x00000080UL
 #define EV_SYNC               0x00000100UL /* ours */
 #define EV_HANDLER            0x00000200UL /* ours */
+#define EV_TIME               0x00000400UL /* ours */
 #define EV_ALL                0xFFFFFFFFUL /* ours: as a mask */
 
 #define EV_START               1
@@ -207,10 +210,14 @@ typedef int (*PFN_COS_EVENT_HANDLER_OLD)(int NetAndNode, int Event, int Arg1, in
 #define ERROR_BEHAVIOUR_OBJECT 0x00004000 /* 1029h */
 #define PDO_ACCEPT_LONG        0x00010000 /* ours: a PDO longer than its mapping is taken */
 #define AUTO_START             0x00020000 /* ours: canOpenActivateNode goes on to operational */
+#define TIME_STAMP             0x00040000 /* ours: 1012h */
 
 #define DEFAULT_SYNC_COBID              0x80UL
 #define SYNC_PRODUCE                    0x40000000UL /* bit of ulSyncCobID */
-#define DEFAULT_EMCY_COBID              0UL          /* 80h + node-ID */
+#define DEFAULT_TIME_COBID              0x100UL      /* ours */
+#define TIME_CONSUME                    0x80000000UL /* ours: bits of ulTimestampCobId */
+#define TIME_PRODUCE                    0x40000000UL
+#define DEFAULT_EMCY_COBID              0UL /* 80h + node-ID */
 #define DEFAULT_EMCY_INHIBIT_TIME       0
 #define DEFAULT_PRODUCER_HEARTBEAT_TIME 0
 
@@ -251,7 +258,7 @@ typedef struct {
     unsigned long ulSyncCobID;        /* SYNCHRON_PDOS, SYNC_GENERATION: 1005h */
     unsigned long ulCyclePeriod;      /* SYNC_GENERATION: 1006h, us; 0: no SYNC */
     unsigned long ulSyncWindowLen;    /* reserved */
-    unsigned long ulTimestampCobId;   /* reserved */
+    unsigned long ulTimestampCobId;   /* TIME_STAMP: 1012h; 0: consumer of DEFAULT_TIME_COBID */
     unsigned long ulEmcyCobId;        /* 1014h; 0: DEFAULT_EMCY_COBID */
     const unsigned long *pulListCHBT; /* CONSUMER_HEARTBEAT: CHBT_ENTRY ... END_OF_CHBT_LIST */
     unsigned short usEmcyInhibit;     /* 1015h, ms, at most 6553 */

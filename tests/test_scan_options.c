@@ -102,6 +102,7 @@ static const struct presence {
     { 0x100D, GUARDING },
     { 0x1010, PARAMETER_STORE },
     { 0x1011, PARAMETER_RESET },
+    { 0x1012, TIME_STAMP },
     { 0x1014, 0 },
     { 0x1015, 0 },
     { 0x1016, CONSUMER_HEARTBEAT },
@@ -132,6 +133,7 @@ static const unsigned long option_sets[] = {
     EMCY_CONSUMER,
     ERROR_BEHAVIOUR_OBJECT,
     PDO_ACCEPT_LONG,
+    TIME_STAMP,
     STATE_REGISTER | ERROR_REGISTER | SYNCHRON_PDOS | MANUFACTURER_INFO | GUARDING |
         PARAMETER_STORE | PARAMETER_RESET | ADDITIONAL_SDOS | SYNC_GENERATION | EMCY_CONSUMER |
         ERROR_BEHAVIOUR_OBJECT | CONSUMER_HEARTBEAT,
@@ -358,7 +360,7 @@ CHANGE(list_node_128, pulListCHBT = node_128)
 CHANGE(list_twice, pulListCHBT = twice)
 CHANGE(list_long, pulListCHBT = five)
 CHANGE(behaviour, ucErrorBehaviour = ERROR_BEHAVIOUR_STOP + 1)
-CHANGE(unknown_option, ulOptions |= 0x00040000)
+CHANGE(unknown_option, ulOptions |= 0x40000000UL)
 CHANGE(highest_option, ulOptions |= 0x80000000UL)
 
 static const struct change changes[] = {
@@ -384,7 +386,7 @@ static const struct change changes[] = {
     { "pulListCHBT a node twice", CONSUMER_HEARTBEAT, list_twice },
     { "pulListCHBT longer than ucMaxConsumerHB", CONSUMER_HEARTBEAT, list_long },
     { "ucErrorBehaviour 3", ERROR_BEHAVIOUR_OBJECT, behaviour },
-    { "ulOptions 00040000", 0, unknown_option },
+    { "ulOptions 40000000", 0, unknown_option },
     { "ulOptions 80000000", 0, highest_option },
 };
 

@@ -12,6 +12,7 @@
  *   scan_pdo_io.c      their data sent, received and requested by the application
  *   scan_file.c        nodes from EDS and DCF files
  *   scan_parameter.c   versions and parameters
+ *   scan_time.c        TIME
  *   scan_handlers.c    the PDO and SDO daemons: object handlers
  *   scan_events.c      the NMT daemon: node events
  *
@@ -120,7 +121,10 @@ struct scan_token {
     uint32_t generation;
 };
 
-/* For the NMT daemon: an event of a node, or, without a node, something to be logged. */
+/*
+ * For the NMT daemon: an event of a node, with what its pArg2 is to point to in 'news', or, without
+ * a node, something to be logged.
+ */
 struct scan_event_token {
     struct scan_token node; /* generation 0: none */
     SLAVE_EVENT event;
@@ -248,6 +252,10 @@ int scan_wait_sent(struct scan_node *node, const struct od_entry *entry, int res
 
 /* Dictionary and PDOs of a node without any. SCANOPEN_WRONG_PARAMETER, SCANOPEN_OUT_OF_MEMORY */
 int scan_make_from_file(struct scan_node *node, const char *path);
+
+/* ---- scan_time.c ---- */
+
+CAN_TIME_OF_DAY scan_time_of(const struct co_event *news);
 
 /* ---- scan_handlers.c ---- */
 

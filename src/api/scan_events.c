@@ -8,17 +8,32 @@
 
 /* ---- under the network's lock ---- */
 
+static void tell(struct scan_node *node, const struct scan_event_token *told)
+{
+    struct scan_event_token token = *told;
+
+    if ((node->event_mask & token.event.ulEvent) == 0 || (!node->on_event && !node->on_event_old))
+        return;
+    token.node = scan_token(node);
+    token.event.usNetNo = (unsigned short)node->net->number;
+    token.event.usModId = node->id;
+    daemon_put(&node->net->nmt, &token);
+}
+
 void scan_tell(struct scan_node *node, unsigned long event, unsigned long arg1, unsigned long arg2)
 {
-    const struct scan_event_token token = { .node = scan_token(node),
-                                            .event = { .usNetNo = (unsigned short)node->net->number,
-                                                       .usModId = node->id,
-                                                       .ulEvent = event,
-                                                       .ulArg1 = arg1,
-                                                       .arg = { .ulArg2 = arg2 } } };
+    const struct scan_event_token token = {
+        .event = { .ulEvent = event, .ulArg1 = arg1, .arg = { .ulArg2 = arg2 } }
+    };
 
-    if ((node->event_mask & event) != 0 && (node->on_event || node->on_event_old))
-        daemon_put(&node->net->nmt, &token);
+    tell(node, &token);
+}
+
+static void tell_time(struct scan_node *node, const struct co_event *news)
+{
+    const struct scan_event_token token = { .event = { .ulEvent = EV_TIME }, .news = *news };
+
+    tell(node, &token);
 }
 
 /* The two resets as the application knows them; the state NodeInit is only passed through. */
@@ -83,6 +98,7 @@ void scan_on_node_event(void *context, struct network *network, const struct co_
     case SLAVE_TPDO_CONFIRMED: note_confirmed(node, event); break;
     case SLAVE_PDO_ERROR: tell_pdo_error(node, event); break;
     case SLAVE_SYNC_MISSING: scan_tell(node, EV_SYNC, EV_TIMEOUT, 0); break;
+    case SLAVE_TIME: tell_time(node, event); break;
     default: break;
     }
 }
@@ -139,6 +155,21 @@ static void call_old(const struct scan_node *node, const SLAVE_EVENT *event)
     node->on_event_old(place, (int)event->ulEvent, (int)event->ulArg1, (int)event->arg.ulArg2);
 }
 
+static void call_handler(const struct scan_node *node, const struct scan_event_token *token)
+{
+    CAN_TIME_OF_DAY time = scan_time_of(&token->news);
+    SLAVE_EVENT event = token->event;
+
+    if (event.ulEvent == EV_TIME)
+        event.arg.pArg2 = &time;
+    callback_begin();
+    if (node->on_event)
+        node->on_event(&event);
+    else if (node->on_event_old)
+        call_old(node, &event);
+    callback_end();
+}
+
 static void log_news(const struct scan_net *net, const struct co_event *news)
 {
     char text[CO_REPORT_TEXT_SIZE], full[CO_REPORT_TEXT_SIZE + 64];
@@ -152,7 +183,6 @@ static void log_news(const struct scan_net *net, const struct co_event *news)
 void scan_nmt_work(void *context, const void *element)
 {
     const struct scan_event_token *token = element;
-    SLAVE_EVENT event = token->event;
     struct scan_node *node;
 
     if (token->node.generation == 0) {
@@ -161,12 +191,7 @@ void scan_nmt_work(void *context, const void *element)
     }
     if (scan_enter_token(&token->node, &node) != SCANOPEN_OK)
         return;
-    callback_begin();
-    if (node->on_event)
-        node->on_event(&event);
-    else if (node->on_event_old)
-        call_old(node, &event);
-    callback_end();
+    call_handler(node, token);
     scan_leave(node);
 }
 

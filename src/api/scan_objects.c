@@ -129,6 +129,16 @@ static void make_guarding(struct maker *self)
         add_u32(self, 0x100E, 0, OD_RO, GUARD_CAN_ID + self->profile->id);
 }
 
+static void make_time(struct maker *self)
+{
+    uint64_t cob_id = self->info->ulTimestampCobId;
+
+    if (cob_id == 0)
+        cob_id = TIME_CONSUME | DEFAULT_TIME_COBID;
+    if (wants(self, TIME_STAMP))
+        add_u32(self, 0x1012, 0, OD_RW, cob_id);
+}
+
 static void make_store(struct maker *self)
 {
     if (wants(self, PARAMETER_STORE))
@@ -264,6 +274,10 @@ static bool are_ids_good(const SLAVE_NODE_INFO *info)
         return false;
     if ((options & SYNC_GENERATION) && info->ulCyclePeriod > UINT32_MAX)
         return false;
+    if ((options & TIME_STAMP) && info->ulTimestampCobId != 0 &&
+        ((info->ulTimestampCobId & FRAME_29_BIT) ||
+         !is_can_id(info->ulTimestampCobId, TIME_CONSUME | TIME_PRODUCE)))
+        return false;
     if (info->ulEmcyCobId != DEFAULT_EMCY_COBID &&
         ((info->ulEmcyCobId & FRAME_29_BIT) || !is_can_id(info->ulEmcyCobId, 0)))
         return false;
@@ -282,7 +296,7 @@ static bool is_profile_good(const struct scan_profile *profile)
                                 MANUFACTURER_INFO | GUARDING | PARAMETER_STORE | PARAMETER_RESET |
                                 ADDITIONAL_SDOS | SYNC_GENERATION | CONSUMER_HEARTBEAT |
                                 PRODUCER_HEARTBEAT | EMCY_CONSUMER | ERROR_BEHAVIOUR_OBJECT |
-                                PDO_ACCEPT_LONG | AUTO_START;
+                                PDO_ACCEPT_LONG | AUTO_START | TIME_STAMP;
     const SLAVE_NODE_INFO *info = profile->info;
 
     return (info->ulOptions & ~(known | (profile->old ? ADDITIONAL_PDOS : 0ul))) == 0 &&
@@ -300,6 +314,7 @@ int scan_make_objects(const struct scan_profile *profile, struct od *od)
     make_manufacturer_info(&maker);
     make_guarding(&maker);
     make_store(&maker);
+    make_time(&maker);
     make_emergency(&maker);
     make_heartbeat(&maker);
     make_identity(&maker);

@@ -40,6 +40,7 @@ void slave_enter_state(struct slave *self, enum nmt_state state, co_us_t now, st
     slave_enable_channels(self, services);
     emcy_producer_enable(&self->emcy, services);
     slave_enable_sync(self, services);
+    self->time.enabled = services;
     tell_state(self, out);
     slave_run_pdos(self, state == NMT_OPERATIONAL, now, out);
 }
@@ -75,6 +76,7 @@ static void boot_up(struct slave *self, co_us_t now, struct co_outbox *out)
     slave_configure_channels(self);
     slave_reset_pdos(self, now);
     slave_configure_sync(self);
+    slave_configure_time(self);
     self->boot_up_due = true;
     finish_boot_up(self, now, out);
 }
@@ -209,7 +211,7 @@ void slave_on_frame(struct slave *self, const struct co_frame *frame, co_us_t no
 
     slave_step_pdos(self, now, out);
     if (own || (frame->flags & CO_FRAME_EXT) != 0 || !on_service_frame(self, frame, now, out))
-        if (own || !slave_hear_sync(self, frame, now, out))
+        if (own || !(slave_hear_sync(self, frame, now, out) || slave_hear_time(self, frame, out)))
             slave_hear_pdo(self, frame, now, out);
 }
 

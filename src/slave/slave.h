@@ -3,7 +3,8 @@
  * (CiA 301, 7.3), on an object dictionary that its owner has filled.
  *
  *   in   frames of the bus (all of them, those of other local devices too), the time
- *   out  boot-up, heartbeat, guarding and SDO answers, emergencies, PDOs, SYNC; the events below
+ *   out  boot-up, heartbeat, guarding and SDO answers, emergencies, PDOs, SYNC, TIME; the events
+ *        below
  *
  *            slave_start()             start                 stop
  *   (off) ---> INITIALISING --> PRE-OPERATIONAL <--> OPERATIONAL <--> STOPPED
@@ -30,6 +31,7 @@
 #include "proto/nmt.h"
 #include "proto/sdo_server.h"
 #include "proto/sync.h"
+#include "proto/time_stamp.h"
 #include "slave/slave_pdo.h"
 
 enum slave_event {
@@ -70,8 +72,9 @@ enum slave_event {
      *   detail, sub   bytes received and mapped
      */
     SLAVE_PDO_ERROR,
-    SLAVE_SYNC_LENGTH, /* node, code (8240h), detail (bytes received), sub (expected): as above */
-    SLAVE_SYNC_MISSING /* node: what slave_sync_external() promised does not come; once */
+    SLAVE_SYNC_LENGTH,  /* node, code (8240h), detail (bytes received), sub (expected): as above */
+    SLAVE_SYNC_MISSING, /* node: what slave_sync_external() promised does not come; once */
+    SLAVE_TIME          /* node, code (ms after midnight), index (days since 1984-01-01): a TIME */
 };
 
 struct slave_consumer; /* one entry of 1016h */
@@ -122,6 +125,7 @@ struct slave {
     struct sync_producer sync;
     struct sync_consumer sync_heard;
     bool told_sync_wrong;
+    struct time_stamp time;
     bool consumes_sync;
     co_us_t window_end;         /* of the last SYNC; CO_NEVER: up to the next one */
     unsigned faults;            /* RPDOs, and SYNC, that are wrong: bit 4 of 1001h */
@@ -172,5 +176,12 @@ const uint8_t *slave_received(const struct slave *self, struct slave_transfer tr
  */
 void slave_verdict(struct slave *self, struct slave_transfer transfer, sdo_abort_t code,
                    co_us_t now, struct co_outbox *out);
+
+/*
+ * Sends TIME. CO_ERR_STATE: not pre-operational or operational; CO_ERR_ARG: 1012h does not make it
+ * a producer; CO_ERR_AGAIN: no room.
+ */
+enum co_err slave_send_time(const struct slave *self, const struct time_of_day *time,
+                            struct co_outbox *out);
 
 #endif

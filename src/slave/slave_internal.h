@@ -170,6 +170,11 @@ bool slave_hear_sync(struct slave *self, const struct co_frame *frame, co_us_t n
 void slave_step_sync(struct slave *self, co_us_t now, struct co_outbox *out);
 co_us_t slave_sync_deadline(const struct slave *self);
 
+/* slave_time.c: 1012h. */
+void slave_configure_time(struct slave *self);
+/* False: it is none, or nothing to this device. */
+bool slave_hear_time(struct slave *self, const struct co_frame *frame, struct co_outbox *out);
+
 /* slave.c */
 void slave_enter_state(struct slave *self, enum nmt_state state, co_us_t now,
                        struct co_outbox *out);

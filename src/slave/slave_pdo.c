@@ -516,6 +516,8 @@ unsigned slave_listens(const struct slave *self, struct slave_filter *ret_filter
     add_filter(&list, NMT_ERROR_CONTROL_ID + self->node, true);
     if (self->consumes_sync)
         add_filter(&list, slave_can_id(self->sync_heard.cob_id), false);
+    if (time_stamp_consumes(&self->time))
+        add_filter(&list, slave_can_id(self->time.cob_id), false);
     for (unsigned i = 0; i < self->consumer_count; i++)
         if (slave_consumer_node(self, i) != 0)
             add_filter(&list, NMT_ERROR_CONTROL_ID + slave_consumer_node(self, i), false);

@@ -23,6 +23,8 @@ void slave_take_over(struct slave *self, uint16_t index, uint8_t sub, co_us_t no
         slave_configure_pdo(self, index, sub, now, out);
     } else if (slave_is_sync_object(index)) {
         slave_configure_sync(self);
+    } else if (index == 0x1012) {
+        slave_configure_time(self);
     } else if (index == 0x1014 || index == 0x1015) {
         slave_configure_emcy(self);
     } else if (index == 0x100C || index == 0x100D) {

@@ -100,7 +100,8 @@ int both_spellings(void)
     HND0 *b = &node;
 
     network.ulOptions = THREAD_PRIO_OVERWRITE | THREAD_PRIOS_OVERWRITE;
-    info.ulOptions = PRODUCER_HERTBEAT | PRODUCER_HEARTBEAT | PDO_ACCEPT_LONG | AUTO_START;
+    info.ulOptions = PRODUCER_HERTBEAT | PRODUCER_HEARTBEAT | PDO_ACCEPT_LONG | AUTO_START |
+                     TIME_STAMP;
     info.ulEventMask = EV_GUARDING | EV_ALL;
     info.usPdoRxQueusize = info.usPdoRxQueueSize;
     info.ucLifeTime = info.ucLifetime;

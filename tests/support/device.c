@@ -189,6 +189,7 @@ static bool describe_pdo(const struct co_event *event, char *text, size_t size)
         snprintf(text, size, "sync wrong %04X, %u of %u", event->code, event->detail, event->sub);
         break;
     case SLAVE_SYNC_MISSING: snprintf(text, size, "sync missing"); break;
+    case SLAVE_TIME: snprintf(text, size, "time %u %u", event->code, event->index); break;
     default: return false;
     }
     return true;
@@ -310,6 +311,11 @@ static enum co_err do_call(struct device *self, const char *text)
         set_value(self, a, b, c);
         return slave_entry_changed(slave, od_find(&self->od, (uint16_t)a, (uint8_t)b), self->now,
                                    out);
+    }
+    if (sscanf(text, "time %u %u", &a, &b) == 2) {
+        const struct time_of_day time = { .ms = a, .days = (uint16_t)b };
+
+        return slave_send_time(slave, &time, out);
     }
     if (sscanf(text, "flags r%u %u", &a, &b) == 2)
         slave_pdo_set_flags(slave, PDO_RECEIVE, (uint16_t)a, (uint8_t)b);

@@ -109,7 +109,7 @@ unsigned scan_count_notes(const char *text)
 
 static const char *const kinds[] = {
     "GUARDING",           "STATE_CHANGE",     "RESET", "CONFIGURATION", "CAN", "EMCY",
-    "CONSUMER_HEARTBEAT", "WRITE_DICTIONARY", "SYNC",  "HANDLER"
+    "CONSUMER_HEARTBEAT", "WRITE_DICTIONARY", "SYNC",  "HANDLER",       "TIME"
 };
 
 static const char *kind_of(unsigned long event)
@@ -131,12 +131,22 @@ static void note_emcy(const SLAVE_EVENT *event)
               emcy->ulCobId, (unsigned)emcy->usNodeId, bytes);
 }
 
+static void note_time(const SLAVE_EVENT *event)
+{
+    const CAN_TIME_OF_DAY *time = event->arg.pArg2;
+
+    scan_note("event %u/%u TIME %lu %u", (unsigned)event->usNetNo, (unsigned)event->usModId,
+              time->ulMs, (unsigned)time->usDays);
+}
+
 int scan_on_event(SLAVE_EVENT *event)
 {
     int result;
 
     if (event->ulEvent == EV_EMCY)
         note_emcy(event);
+    else if (event->ulEvent == EV_TIME)
+        note_time(event);
     else
         scan_note("event %u/%u %s %lu %lu", (unsigned)event->usNetNo, (unsigned)event->usModId,
                   kind_of(event->ulEvent), event->ulArg1, event->arg.ulArg2);

@@ -27,7 +27,8 @@ unsigned scan_count_notes(const char *text);
 
 /*
  * A node event handler: "event net/node KIND arg1 arg2", numbers in decimal, KIND without "EV_":
- * "event 0/5 STATE_CHANGE 127 0". EV_EMCY: "event 0/5 EMCY cob-ID node 8 bytes", in hex.
+ * "event 0/5 STATE_CHANGE 127 0". EV_EMCY: "event 0/5 EMCY cob-ID node 8 bytes", in hex. EV_TIME:
+ * "event 0/5 TIME ms days".
  * Returns what scan_on_event_returns() has said, SCANOPEN_OK before that.
  */
 int scan_on_event(SLAVE_EVENT *event);

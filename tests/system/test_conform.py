@@ -6,7 +6,7 @@ import xml.etree.ElementTree
 
 import plant
 
-DEVICE = plant.ROOT / "examples" / "cia401-io" / "cia401-io.eds"
+DEVICE = plant.DATA / "conform.eds"
 
 
 class Conform(plant.PlantTest):
@@ -45,8 +45,7 @@ class Conform(plant.PlantTest):
     def test_finding(self):
         """a device that is not that of the EDS"""
         self.start_sim("--node", "5", DEVICE)
-        other = self.write("other.eds", DEVICE.read_text().replace("DefaultValue=0x00030191",
-                                                                   "DefaultValue=0x00030192"))
+        other = self.write("other.eds", DEVICE.read_text().replace("=0x000F0191", "=0x000F0192"))
         process = self.conform("--node", "5", "--eds", other, "--only", "sdo-read-expedited",
                                code=1)
         self.assertIn("FAIL        sdo-read-expedited", process.out.text())

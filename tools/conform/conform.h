@@ -233,6 +233,8 @@ bool conform_must_read_number(struct conform *self, uint16_t index, uint8_t sub,
                               uint64_t *ret_number);
 bool conform_must_write(struct conform *self, uint16_t index, uint8_t sub, uint32_t size,
                         uint64_t number);
+bool conform_must_write_bytes(struct conform *self, uint16_t index, uint8_t sub, const void *bytes,
+                              uint32_t size);
 
 /*
  * Accepted abort codes, with 0 at the end. conform_must_abort() takes what conform_read() or

@@ -4,6 +4,8 @@
 const struct conform_family *const conform_families[] = {
     &conform_eds,
     &conform_sdo,
+    &conform_sdo_segment,
+    &conform_sdo_channel,
 };
 
 const size_t conform_family_count = sizeof conform_families / sizeof conform_families[0];

@@ -8,5 +8,7 @@
 
 extern const struct conform_family conform_eds;
 extern const struct conform_family conform_sdo;
+extern const struct conform_family conform_sdo_segment;
+extern const struct conform_family conform_sdo_channel;
 
 #endif

@@ -196,12 +196,21 @@ bool conform_must_read_number(struct conform *self, uint16_t index, uint8_t sub,
     return true;
 }
 
+bool conform_must_write_bytes(struct conform *self, uint16_t index, uint8_t sub, const void *bytes,
+                              uint32_t size)
+{
+    const uint32_t result = conform_write(self, index, sub, bytes, size);
+
+    return result == SDO_OK || fail_access(self, "write", index, sub, result);
+}
+
 bool conform_must_write(struct conform *self, uint16_t index, uint8_t sub, uint32_t size,
                         uint64_t number)
 {
-    const uint32_t result = conform_write_number(self, index, sub, size, number);
+    uint8_t bytes[8];
 
-    return result == SDO_OK || fail_access(self, "write", index, sub, result);
+    put_le(bytes, sizeof bytes, number);
+    return conform_must_write_bytes(self, index, sub, bytes, size);
 }
 
 bool conform_must_abort(struct conform *self, const char *what, uint32_t result,

@@ -1,0 +1,32 @@
+/*
+ * What several families of checks use.
+ */
+#ifndef TOOLS_CONFORM_CHECK_COMMON_H
+#define TOOLS_CONFORM_CHECK_COMMON_H
+
+#include "conform.h"
+
+/* Sends "command index sub 00 00 00 00"; answer 0 for silence. */
+bool check_ask(struct conform *self, uint8_t command, uint16_t index, uint8_t sub,
+               uint8_t ret_answer[8]);
+/* Sends eight bytes, and needs an answer whose first byte is this one; else fails. */
+bool check_step(struct conform *self, const uint8_t request[8], uint8_t expected,
+                uint8_t ret_answer[8]);
+
+/* The object has still this value; else fails. */
+bool check_unchanged(struct conform *self, const struct conform_object *object,
+                     const struct conform_value *before);
+/* The next request of another kind is served: reads 1000h. */
+bool check_still_serves(struct conform *self);
+
+/* SDO clients may write, or read, it as far as is known. */
+bool check_is_writable(const struct conform_object *object);
+bool check_is_readable(const struct conform_object *object);
+
+enum check_side { CHECK_ABOVE, CHECK_BELOW };
+
+/* The value beyond the limit that the EDS gives; false: there is none. */
+bool check_beyond_limit(const struct conform *self, const struct conform_object *object,
+                        enum check_side side, uint8_t ret_bytes[8], uint32_t *ret_size);
+
+#endif

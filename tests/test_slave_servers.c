@@ -43,10 +43,23 @@ void *__wrap_malloc(size_t size)
     return no_memory && size >= 1024 ? NULL : __real_malloc(size);
 }
 
+/* 2010h: up to 20 bytes that the owner has. */
+static void add_domain(void)
+{
+    const struct od_spec spec = {
+        .index = 0x2010, .type = OD_DOMAIN, .access = OD_RW, .capacity = 8
+    };
+    struct od_entry *entry = NULL;
+
+    ck_assert_int_eq(od_add(&device.od, &spec, &entry), CO_OK);
+    od_fetch(entry, 20);
+}
+
 static void setup(void)
 {
     device_init(&device, entries);
     od_find(&device.od, 0x2000, 0)->watched = true;
+    add_domain();
     device_start(&device);
 }
 
@@ -150,6 +163,43 @@ static const struct device_talk talks[] = {
         { 4, DOES, "verdict 1 0 at 1" }, OPEN(5), { 6, DOES, "verdict 1 0 at 1" },
         { 6, HEARS, "6A2#4000200000000000" }, { 6, SENDS, "6A3#4B00200000000000" },
         { 3000, QUIET, "-" } } },
+    { "a value that the owner has",
+      { BOOT, { 1, HEARS, "6A0#4010200000000000" },
+        { 1, TELLS, "fetch 1 of 2010:00, channel 2" }, { 2, QUIET, "-" },
+        { 2, DOES, "give 2 9 at 2" }, { 2, DOES, "give 1 9" }, { 2, DOES, "verdict 1 0 at 2" },
+        { 2, QUIET, "-" }, { 3, DOES, "give 1 9 at 2" }, { 3, SENDS, "6A1#4110200009000000" },
+        { 3, DOES, "give 1 8 at 2" }, { 4, HEARS, "6A0#6000000000000000" },
+        { 4, SENDS, "6A1#0041424344454647" }, { 5, HEARS, "6A0#7000000000000000" },
+        { 5, SENDS, "6A1#1B48490000000000" }, { 5, DOES, "give 1 9 at 2" } } },
+    { "few bytes, none, and too many",
+      { BOOT, { 1, HEARS, "605#4010200000000000" }, { 1, DOES, "give 1 3" },
+        { 1, SENDS, "585#4710200041424300" },
+        { 2, HEARS, "605#4010200000000000" }, { 2, DOES, "give 2 0" },
+        { 2, SENDS, "585#4110200000000000" }, { 3, HEARS, "605#6000000000000000" },
+        { 3, SENDS, "585#0F00000000000000" },
+        { 4, HEARS, "605#4010200000000000" }, { 4, DOES, "refuse 3 08000024" },
+        { 4, SENDS, "585#8010200024000008" },
+        { 5, HEARS, "605#4010200000000000" }, { 5, DOES, "give 4 1388" },
+        { 5, SENDS, "585#8010200005000405" } } },
+    { "the owner comes too late with it",
+      { BOOT, { 1, HEARS, "605#4010200000000000" }, { 1, TELLS, "fetch 1 of 2010:00, channel 0" },
+        { 1001, SENDS, "585#8010200020000008" }, { 1001, TELLS, "no verdict on 2010:00" },
+        { 1002, DOES, "give 1 9" }, { 3000, QUIET, "-" } } },
+    { "the client has gone on",
+      { BOOT, { 1, HEARS, "605#4010200000000000" }, { 2, HEARS, "605#4001200000000000" },
+        { 2, SENDS, "585#4F01200000000000" }, { 3, DOES, "give 1 9" },
+        { 4, HEARS, "605#4010200000000000" }, { 5, HEARS, "605#4010200000000000" },
+        { 6, DOES, "give 2 9" }, { 6, QUIET, "-" }, { 7, DOES, "give 3 1" },
+        { 7, SENDS, "585#4F10200041000000" } } },
+    { "a value for the owner to store",
+      { BOOT, { 1, HEARS, "605#2310200041424344" }, { 1, TELLS, "verdict 1 on 2010:00, 4 bytes" },
+        { 2, DOES, "give 1 4" }, { 2, QUIET, "-" }, { 2, DOES, "verdict 1 0" },
+        { 2, SENDS, "585#6010200000000000" }, { 2, TELLS, "written 2010:00 = 1145258561" },
+        { 3, HEARS, "605#2310200041424344" }, { 3, TELLS, "verdict 2 on 2010:00, 4 bytes" },
+        { 4, DOES, "verdict 2 06060000" }, { 4, SENDS, "585#8010200000000606" },
+        { 5, HEARS, "605#2110200015000000" }, { 5, SENDS, "585#8010200012000706" },
+        { 6, HEARS, "605#4010200000000000" }, { 6, TELLS, "fetch 3 of 2010:00, channel 0" },
+        { 6, DOES, "refuse 3 06060000" }, { 6, SENDS, "585#8010200000000606" } } },
     { "stopped",
       { BOOT, OPEN(1), { 2, HEARS, "6A2#4004200000000000" }, { 2, SENDS, "6A3#4104200008000000" },
         { 3, HEARS, "000#0205" }, { 3, TELLS, "state 4" },
@@ -272,6 +322,37 @@ START_TEST(without_room)
 }
 END_TEST
 
+/* No reset, and no 1010h, does anything to what the owner has. */
+START_TEST(resets_leave_the_owner_its_value)
+{
+    const struct od_entry *entry = od_find(&device.od, 0x2010, 0);
+    uint8_t memory[4] = { 1, 2, 3, 4 };
+
+    ck_assert_uint_eq(device_write(&device, 0x1010, 1, 4, 0x65766173), SDO_OK);
+    device_hear(&device, "000#8105");
+    device_drain(&device);
+    ck_assert(entry->fetched);
+    ck_assert_uint_eq(entry->capacity, 20);
+    ck_assert_uint_eq(entry->size, 0);
+    ck_assert_int_eq(od_refer(od_find(&device.od, 0x2010, 0), memory, 3, 4, true), CO_OK);
+    expect_answer("6A0#4010200000000000", "6A1#4710200001020300");
+}
+END_TEST
+
+/* The owner's answer finds no room in the outbox: it comes later. */
+START_TEST(a_value_without_room)
+{
+    device_hear(&device, "605#4010200000000000");
+    device_drain(&device);
+    device_forget(&device);
+    device_fill(&device, 0, 0);
+    device_do(&device, "give 1 3");
+    ck_assert_uint_eq(slave_deadline(&device.slave), 0);
+    device_run(&device, device.now);
+    ck_assert_str_eq(device_next_frame(&device, NULL), "585#4710200041424300");
+}
+END_TEST
+
 /* A device with all of them. */
 START_TEST(as_many_as_there_can_be)
 {
@@ -311,6 +392,8 @@ int main(void)
     tcase_add_test(tcase, a_buffer_comes_with_the_first_request);
     tcase_add_test(tcase, a_buffer_that_there_is_not);
     tcase_add_test(tcase, without_room);
+    tcase_add_test(tcase, resets_leave_the_owner_its_value);
+    tcase_add_test(tcase, a_value_without_room);
     tcase_add_test(tcase, as_many_as_there_can_be);
     return suite_run("slave_servers", tcase);
 }

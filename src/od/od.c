@@ -311,11 +311,25 @@ enum co_err od_refer(struct od_entry *entry, uint8_t *bytes, uint32_t size, uint
     }
     if (!entry->referred)
         free_bytes(entry, entry->value);
+    entry->fetched = false;
     entry->referred = true;
     entry->value = bytes;
     entry->size = size;
     entry->capacity = capacity;
     return CO_OK;
+}
+
+void od_fetch(struct od_entry *entry, uint32_t capacity)
+{
+    if (!entry->referred)
+        free_bytes(entry, entry->value);
+    free_bytes(entry, entry->initial);
+    entry->value = entry->small[0];
+    entry->initial = entry->small[1];
+    entry->size = entry->initial_size = 0;
+    entry->capacity = capacity;
+    entry->referred = false;
+    entry->fetched = true;
 }
 
 enum co_err od_store(struct od *self, uint16_t first, uint16_t last)

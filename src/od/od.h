@@ -128,6 +128,11 @@ bool od_has_object(const struct od *self, uint16_t index);
  */
 enum co_err od_refer(struct od_entry *entry, uint8_t *bytes, uint32_t size, uint32_t capacity,
                      bool initial);
+/*
+ * From now on, up to an od_refer(), the owner has the value, of 'capacity' bytes at most, and the
+ * entry none: it is 'fetched'. For domains.
+ */
+void od_fetch(struct od_entry *entry, uint32_t capacity);
 
 /* The number in an entry (the first 8 bytes of a longer one); 'missing' if there is none. */
 uint64_t od_number(const struct od *self, uint16_t index, uint8_t sub, uint64_t missing);

@@ -43,14 +43,21 @@ enum slave_event {
     SLAVE_WRITTEN,   /* node, index, sub: a client has written an entry, actual: its number */
     SLAVE_EMERGENCY, /* node, code, detail (1001h), data: it has raised an emergency */
     /*
-     * A client has sent a value for an entry that is watched; the server waits for slave_verdict()
-     * and slave_received() has the bytes.
+     * A client has sent a value for an entry that is watched or fetched; the server waits for
+     * slave_verdict() and slave_received() has the bytes.
      *   node, index, sub   the entry
      *   actual             bytes
      *   detail, code       channel and number of the transfer, struct slave_transfer
      */
     SLAVE_VERDICT,
-    SLAVE_VERDICT_LATE, /* node, index, sub: none has come, the client was told 08000020h */
+    /*
+     * A client reads an entry that is fetched; the server waits for slave_give().
+     *   node, index, sub   the entry
+     *   detail, code       as above
+     */
+    SLAVE_FETCH,
+    /* node, index, sub: neither has come in time, the client was told 08000020h */
+    SLAVE_VERDICT_LATE,
     /*
      * The data of an RPDO was taken over.
      *   node, index   the PDO's number
@@ -81,7 +88,7 @@ struct slave_consumer; /* one entry of 1016h */
 struct slave_factory;  /* the values that 1011h "load" brings back */
 struct slave_pdos;     /* what 1400h..1BFFh say */
 
-/* A client's write that the application is asked about. */
+/* A client's read or write that the owner is asked about. */
 struct slave_transfer {
     uint8_t channel;
     uint32_t number;
@@ -167,15 +174,26 @@ enum co_err slave_raise_error(struct slave *self, const struct emcy_message *err
 /* The errors with these bits of 1001h have gone: emergency 0000h. CO_ERR_AGAIN as above. */
 enum co_err slave_clear_error(struct slave *self, uint8_t bits, co_us_t now, struct co_outbox *out);
 
-/* The client of SLAVE_VERDICT still waits, and its value is there. */
+/* The client of SLAVE_VERDICT or SLAVE_FETCH still waits. */
 bool slave_waits_for(const struct slave *self, struct slave_transfer transfer);
+/* The value that SLAVE_VERDICT told of, while its client waits. */
 const uint8_t *slave_received(const struct slave *self, struct slave_transfer transfer);
 /*
  * What the application says of that value: SDO_OK stores it, if limits and state still allow, any
- * other code goes to the client. A transfer that has ended is ignored.
+ * other code goes to the client. What is fetched the owner has stored already. A transfer that has
+ * ended is ignored.
  */
 void slave_verdict(struct slave *self, struct slave_transfer transfer, sdo_abort_t code,
                    co_us_t now, struct co_outbox *out);
+
+struct slave_value {
+    sdo_abort_t code; /* SDO_OK, or why there is none */
+    const uint8_t *bytes;
+    uint32_t size;
+};
+/* For SLAVE_FETCH; the bytes are copied. A transfer that has ended is ignored. */
+void slave_give(struct slave *self, struct slave_transfer transfer, const struct slave_value *value,
+                co_us_t now, struct co_outbox *out);
 
 /*
  * Sends TIME. CO_ERR_STATE: not pre-operational or operational; CO_ERR_ARG: 1012h does not make it

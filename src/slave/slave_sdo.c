@@ -69,6 +69,8 @@ static sdo_abort_t store_value(struct slave *self, const struct slave_write *wri
 
     if (code != SDO_OK)
         return code;
+    if (write->entry->fetched) /* the owner has stored it */
+        return SDO_OK;
     if (slave_is_store_command(write))
         return slave_execute_store(self, write);
     slave_note_change(self, write);
@@ -127,10 +129,30 @@ static void take_write(struct slave *self, struct slave_channel *channel, co_us_
 {
     const struct slave_write write = received_write(self, channel);
 
-    if (write.entry->watched)
+    if (write.entry->watched || write.entry->fetched)
         ask_for_verdict(self, channel, &write, now, out);
     else
         finish_write(self, channel, &write, SDO_OK, now, out);
+}
+
+static void ask_for_value(struct slave *self, const struct slave_channel *channel,
+                          struct co_outbox *out)
+{
+    const struct co_event event = { .type = SLAVE_FETCH,
+                                    .node = self->node,
+                                    .index = channel->server.index,
+                                    .sub = channel->server.sub,
+                                    .detail = place_of(self, channel),
+                                    .code = channel->server.number };
+
+    co_outbox_put_event(out, &event);
+}
+
+/* For its owner. */
+static bool is_waiting(const struct sdo_server *server)
+{
+    return (server->state == SDO_SERVER_VERDICT || server->state == SDO_SERVER_FETCH) &&
+           !server->unsent;
 }
 
 static bool waits_for_verdict(const struct sdo_server *server, uint32_t number)
@@ -155,8 +177,12 @@ static void execute_verdict(struct slave *self, struct slave_channel *channel, c
 
 bool slave_waits_for(const struct slave *self, struct slave_transfer transfer)
 {
-    return transfer.channel < self->channel_count &&
-           waits_for_verdict(&self->channels[transfer.channel].server, transfer.number);
+    const struct sdo_server *server;
+
+    if (transfer.channel >= self->channel_count)
+        return false;
+    server = &self->channels[transfer.channel].server;
+    return is_waiting(server) && server->number == transfer.number;
 }
 
 const uint8_t *slave_received(const struct slave *self, struct slave_transfer transfer)
@@ -172,12 +198,21 @@ void slave_verdict(struct slave *self, struct slave_transfer transfer, sdo_abort
     if (!slave_waits_for(self, transfer))
         return;
     channel = &self->channels[transfer.channel];
-    if (channel->verdict_due || now >= channel->server.deadline)
+    if (channel->verdict_due || channel->server.state != SDO_SERVER_VERDICT ||
+        now >= channel->server.deadline)
         return;
     channel->verdict = code;
     channel->verdict_number = transfer.number;
     channel->verdict_due = true;
     execute_verdict(self, channel, now, out);
+}
+
+void slave_give(struct slave *self, struct slave_transfer transfer, const struct slave_value *value,
+                co_us_t now, struct co_outbox *out)
+{
+    if (slave_waits_for(self, transfer))
+        sdo_server_give(&self->channels[transfer.channel].server, value->code, value->bytes,
+                        value->size, now, out);
 }
 
 /* Steps a server, with a frame or without; there is room for what it may give. */
@@ -198,6 +233,8 @@ static void step_server(struct slave *self, struct slave_channel *channel,
     while (co_outbox_take_event(&inner, &event))
         if (event.type == PROTO_SDO_WRITE)
             take_write(self, channel, now, out);
+        else if (event.type == PROTO_SDO_READ)
+            ask_for_value(self, channel, out);
 }
 
 static void refuse_history(struct slave_channel *channel, const struct co_frame *request,
@@ -250,7 +287,7 @@ static void step_channel(struct slave *self, struct slave_channel *channel, co_u
     execute_verdict(self, channel, now, out);
     if (sdo_server_deadline(server) > now || !has_room(out))
         return;
-    late = server->state == SDO_SERVER_VERDICT && !server->unsent;
+    late = is_waiting(server);
     step_server(self, channel, NULL, now, out);
     if (late)
         tell_late_verdict(self, channel, out);

@@ -159,6 +159,10 @@ static bool describe_service(const struct co_event *event, char *text, size_t si
         if (event->detail != 0)
             snprintf(text + strlen(text), size, ", channel %u", event->detail);
         break;
+    case SLAVE_FETCH:
+        snprintf(text, size, "fetch %u of %04X:%02X, channel %u", event->code, event->index,
+                 event->sub, event->detail);
+        break;
     case SLAVE_VERDICT_LATE:
         snprintf(text, size, "no verdict on %04X:%02X", event->index, event->sub);
         break;
@@ -296,6 +300,42 @@ static void watch(struct device *self, unsigned index, unsigned sub)
     }
 }
 
+/* A value of so many bytes: 'A' to 'Z', again and again. */
+static void give(struct device *self, struct slave_transfer transfer, unsigned size)
+{
+    struct slave_value value = { .size = size };
+    uint8_t *bytes = malloc(size + 1u);
+
+    ck_assert_ptr_nonnull(bytes);
+    for (unsigned i = 0; i < size; i++)
+        bytes[i] = (uint8_t)('A' + i % 26);
+    value.bytes = bytes;
+    slave_give(&self->slave, transfer, &value, self->now, &self->out);
+    free(bytes);
+}
+
+/* False: the text is something else. */
+static bool answer_client(struct device *self, const char *text)
+{
+    unsigned number = 0, what = 0, channel = 0;
+    struct slave_value refusal = { .size = 0 };
+    struct slave_transfer transfer;
+
+    if (sscanf(text, "%*s %u %x at %u", &number, &what, &channel) < 2)
+        return false;
+    transfer = (struct slave_transfer){ (uint8_t)channel, number };
+    refusal.code = what;
+    if (strncmp(text, "verdict", 7) == 0)
+        slave_verdict(&self->slave, transfer, what, self->now, &self->out);
+    else if (strncmp(text, "give", 4) == 0)
+        give(self, transfer, what);
+    else if (strncmp(text, "refuse", 6) == 0)
+        slave_give(&self->slave, transfer, &refusal, self->now, &self->out);
+    else
+        return false;
+    return true;
+}
+
 /* CO_OK for what returns nothing. */
 static enum co_err do_call(struct device *self, const char *text)
 {
@@ -323,14 +363,12 @@ static enum co_err do_call(struct device *self, const char *text)
         slave_pdo_set_flags(slave, PDO_TRANSMIT, (uint16_t)a, (uint8_t)b);
     else if (sscanf(text, "answer %u %u", &a, &b) == 2)
         slave_tpdo_answer(slave, (uint16_t)a, b, self->now, out);
-    else if (sscanf(text, "verdict %u %x at %u", &a, &b, &c) >= 2)
-        slave_verdict(slave, (struct slave_transfer){ (uint8_t)c, a }, b, self->now, out);
     else if (sscanf(text, "watch %x:%x", &a, &b) == 2)
         watch(self, a, b);
     else if (strcmp(text, "hold") == 0 || strcmp(text, "release") == 0)
         slave_hold_transmission(slave, text[0] == 'h', self->now, out);
     else
-        ck_abort_msg("%s?", text);
+        ck_assert_msg(answer_client(self, text), "%s?", text);
     return CO_OK;
 }
 

@@ -250,12 +250,44 @@ START_TEST(test_no_room_is_counted)
 }
 END_TEST
 
+static void garbage_block(const struct server_bench *self, uint64_t *seed, uint8_t *data)
+{
+    const struct sdo_server *server = &self->server;
+
+    if (server->state == SDO_SERVER_BLOCK_UP_START) {
+        data[0] = BLOCK_START;
+    } else if (server->state == SDO_SERVER_BLOCK_UP) {
+        data[0] = BLOCK_ACK;
+        data[1] = (uint8_t)(noise(seed) % 8 ? server->sender.sent : noise(seed) % 9);
+        data[2] = (uint8_t)(noise(seed) % 8 + (noise(seed) % 8 != 0));
+    } else if (server->state == SDO_SERVER_BLOCK_UP_END) {
+        data[0] = BLOCK_END_ANSWER;
+    } else if (server->state == SDO_SERVER_BLOCK_DOWN) {
+        data[0] = (uint8_t)(server->receiver.in_order + 1 + (noise(seed) % 8 == 0));
+        data[0] |= noise(seed) % 4 == 0 ? BLOCK_LAST : 0;
+    } else {
+        data[0] = (uint8_t)(BLOCK_END | (data[0] & 0x1C));
+        put_le16(data + 1, (uint16_t)(server->receiver.crc + (noise(seed) % 8 == 0)));
+    }
+}
+
+static void continue_transfer(const struct server_bench *self, uint64_t *seed, uint8_t *data)
+{
+    const unsigned toggle = self->server.toggle ? 0x10 : 0;
+
+    if (self->server.state == SDO_SERVER_DOWN_SEGMENT)
+        data[0] = (uint8_t)(toggle | (noise(seed) % 8 == 0 ? noise(seed) % 16 : 0));
+    else if (self->server.state == SDO_SERVER_UP_SEGMENT)
+        data[0] = (uint8_t)(0x60 | toggle);
+    else if (self->server.state >= SDO_SERVER_BLOCK_DOWN)
+        garbage_block(self, seed, data);
+}
+
 /* Frames that are nearly right get far. */
 static struct co_frame garbage(const struct server_bench *self, uint64_t *seed)
 {
     static const uint16_t objects[] = { 0x1000, 0x1008, 0x1017, 0x1019, 0x2000, 0x2002,
-                                        0x2003, 0x2005, 0x2008, 0x1F50, 0x3000 };
-    const unsigned toggle = self->server.toggle ? 0x10 : 0;
+                                        0x2003, 0x2005, 0x2008, 0x1F50, 0x3000, 0x2009 };
     struct co_frame frame = co_frame_make(0x605, 8);
 
     for (unsigned i = 0; i < 8; i++)
@@ -268,15 +300,13 @@ static struct co_frame garbage(const struct server_bench *self, uint64_t *seed)
     }
     if (noise(seed) % 2) /* sizes of some bytes, not of gigabytes */
         frame.data[5] = frame.data[6] = frame.data[7] = 0;
-    if (self->server.state == SDO_SERVER_DOWN_SEGMENT && noise(seed) % 16)
-        frame.data[0] = (uint8_t)(toggle | (noise(seed) % 8 == 0 ? noise(seed) % 16 : 0));
-    if (self->server.state == SDO_SERVER_UP_SEGMENT && noise(seed) % 16)
-        frame.data[0] = (uint8_t)(0x60 | toggle);
+    if (self->server.state != SDO_SERVER_IDLE && noise(seed) % 16)
+        continue_transfer(self, seed, frame.data);
     return frame;
 }
 
 struct tally {
-    unsigned requests, responses, writes, verdicts;
+    unsigned requests, responses, writes, verdicts, reads, blocks;
 };
 
 static void check_output(struct server_bench *self, struct co_outbox *out, struct tally *tally)
@@ -288,15 +318,33 @@ static void check_output(struct server_bench *self, struct co_outbox *out, struc
         if (frame.id != 0x585 || frame.dlc != 8)
             ck_abort_msg("a frame that is no response");
     }
-    for (; co_outbox_take_event(out, &event); tally->writes++) {
+    while (co_outbox_take_event(out, &event)) {
         const struct od_entry *entry = od_find(&self->od, event.index, event.sub);
 
+        tally->writes += event.type == PROTO_SDO_WRITE;
+        tally->reads += event.type == PROTO_SDO_READ;
+        if (event.type == PROTO_SDO_READ)
+            continue;
         if (event.type != PROTO_SDO_WRITE || !entry || event.actual > BENCH_CAPACITY ||
             od_check_value(entry, sdo_server_value(&self->server), (uint32_t)event.actual))
             ck_abort_msg("a write that is not valid");
     }
     if ((self->server.state == SDO_SERVER_IDLE) != (sdo_server_deadline(&self->server) == CO_NEVER))
         ck_abort_msg("a deadline without a transfer, or a transfer without a deadline");
+}
+
+/* The owner has its say, or not. */
+static void decide(struct server_bench *self, uint64_t *seed, struct co_outbox *out, co_us_t now,
+                   struct tally *tally)
+{
+    const sdo_abort_t code = noise(seed) % 2 ? SDO_OK : SDO_GENERAL;
+    const uint8_t bytes[64] = { 1, 2, 3 };
+
+    if (noise(seed) % 2)
+        return;
+    tally->verdicts += self->server.state == SDO_SERVER_VERDICT;
+    sdo_server_verdict(&self->server, code, now, out);
+    sdo_server_give(&self->server, code, bytes, noise(seed) % sizeof bytes, now, out);
 }
 
 START_TEST(test_garbage)
@@ -310,15 +358,17 @@ START_TEST(test_garbage)
     co_us_t now = 0;
 
     server_bench_init(&bench);
+    bench.server.block = true;
+    bench.server.block_limit = 5;
     for (; tally.requests < 20000; tally.requests++) {
         struct co_frame frame = garbage(&bench, &seed);
 
         co_outbox_init(&out, frames, noise(&seed) % 8 ? 4 : 0, events, noise(&seed) % 8 ? 4 : 0);
         sdo_server_on_frame(&bench.server, &frame, now, &out);
-        if (bench.server.state == SDO_SERVER_VERDICT && noise(&seed) % 2) {
-            sdo_server_verdict(&bench.server, noise(&seed) % 2 ? SDO_OK : SDO_GENERAL, now, &out);
-            tally.verdicts++;
-        }
+        tally.blocks += bench.server.form == SDO_SERVER_BLOCK &&
+                        (bench.server.state == SDO_SERVER_VERDICT ||
+                         bench.server.state == SDO_SERVER_BLOCK_UP_END);
+        decide(&bench, &seed, &out, now, &tally);
         check_output(&bench, &out, &tally);
         now += noise(&seed) % 64 ? 1000 : CO_MS(400);
         sdo_server_on_time(&bench.server, now, &out);
@@ -327,6 +377,8 @@ START_TEST(test_garbage)
     ck_assert_uint_gt(tally.responses, 1000);
     ck_assert_uint_gt(tally.writes, 100);
     ck_assert_uint_gt(tally.verdicts, 50);
+    ck_assert_uint_gt(tally.reads, 50);
+    ck_assert_uint_gt(tally.blocks, 50);
     server_bench_done(&bench);
 }
 END_TEST

@@ -24,10 +24,8 @@
 
 #include "base/outbox.h"
 #include "base/time.h"
-#include "od/abort.h"
+#include "proto/sdo.h"
 
-#define SDO_REQUEST_ID   0x600u /* + node-ID, client to server */
-#define SDO_RESPONSE_ID  0x580u
 #define SDO_SEND_TIMEOUT CO_MS(2000)  /* for a request to get on the wire ... */
 #define SDO_SEND_LIMIT   CO_MS(10000) /* ... if that makes progress */
 

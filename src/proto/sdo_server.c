@@ -2,12 +2,9 @@
 
 #include "base/bytes.h"
 #include "proto/event.h"
+#include "proto/sdo_server_internal.h"
 
 #include <string.h>
-
-#define REQUEST_ID   0x600u /* + node-ID */
-#define RESPONSE_ID  0x580u
-#define SIZE_UNKNOWN UINT32_MAX
 
 /* Bits 7..5 of byte 0 in the client's requests. */
 enum request {
@@ -25,15 +22,15 @@ void sdo_server_init(struct sdo_server *self, const struct od *od, uint8_t node,
                      uint32_t capacity)
 {
     *self = (struct sdo_server){ .od = od,
-                                 .request_id = node > 0 ? REQUEST_ID + node : 0,
-                                 .response_id = RESPONSE_ID + node,
+                                 .request_id = node > 0 ? SDO_REQUEST_ID + node : 0,
+                                 .response_id = SDO_RESPONSE_ID + node,
                                  .buffer = buffer,
                                  .capacity = capacity,
+                                 .block_limit = SDO_BLOCK_MAX,
                                  .deadline = CO_NEVER };
 }
 
-/* The only way out of a transfer. */
-static void finish(struct sdo_server *self)
+void sdo_server_finish(struct sdo_server *self)
 {
     self->state = SDO_SERVER_IDLE;
     self->unsent = false;
@@ -44,14 +41,14 @@ void sdo_server_set_channel(struct sdo_server *self, uint32_t request_id, uint32
 {
     self->request_id = request_id;
     self->response_id = response_id;
-    finish(self);
+    sdo_server_finish(self);
 }
 
 void sdo_server_enable(struct sdo_server *self, bool enabled)
 {
     self->enabled = enabled;
     if (!enabled)
-        finish(self);
+        sdo_server_finish(self);
 }
 
 const uint8_t *sdo_server_value(const struct sdo_server *self)
@@ -59,14 +56,13 @@ const uint8_t *sdo_server_value(const struct sdo_server *self)
     return self->buffer;
 }
 
-static void wait_for(struct sdo_server *self, enum sdo_server_state state, co_us_t now)
+void sdo_server_wait(struct sdo_server *self, enum sdo_server_state state, co_us_t now)
 {
     self->state = (uint8_t)state;
     self->deadline = now + SDO_SERVER_TIMEOUT;
 }
 
-static void put_response(const struct sdo_server *self, const uint8_t data[8],
-                         struct co_outbox *out)
+void sdo_server_put(const struct sdo_server *self, const uint8_t data[8], struct co_outbox *out)
 {
     struct co_frame frame = co_frame_make(self->response_id, 8);
 
@@ -74,46 +70,49 @@ static void put_response(const struct sdo_server *self, const uint8_t data[8],
     co_outbox_put_frame(out, &frame);
 }
 
-static void respond_with_object(const struct sdo_server *self, unsigned command,
-                                const uint8_t field[4], struct co_outbox *out)
+void sdo_server_respond(const struct sdo_server *self, unsigned command, const uint8_t field[4],
+                        struct co_outbox *out)
 {
     uint8_t data[8] = { (uint8_t)command, 0, 0, self->sub };
 
     put_le16(data + 1, self->index);
     memcpy(data + 4, field, 4);
-    put_response(self, data, out);
+    sdo_server_put(self, data, out);
 }
 
-static void respond_with_number(const struct sdo_server *self, unsigned command, uint32_t number,
-                                struct co_outbox *out)
+void sdo_server_respond_number(const struct sdo_server *self, unsigned command, uint32_t number,
+                               struct co_outbox *out)
 {
     uint8_t field[4];
 
     put_le32(field, number);
-    respond_with_object(self, command, field, out);
+    sdo_server_respond(self, command, field, out);
 }
 
 static void respond_to_segment(struct sdo_server *self, struct co_outbox *out)
 {
     const uint8_t data[8] = { self->toggle ? 0x30 : 0x20 };
 
-    put_response(self, data, out);
+    sdo_server_put(self, data, out);
     self->toggle = !self->toggle;
 }
 
 static void abort_transfer(struct sdo_server *self, sdo_abort_t code, struct co_outbox *out)
 {
-    respond_with_number(self, 0x80, code, out);
-    finish(self);
+    sdo_server_respond_number(self, 0x80, code, out);
+    sdo_server_finish(self);
 }
 
 static void confirm_download(struct sdo_server *self, struct co_outbox *out)
 {
-    if (self->segmented)
-        respond_to_segment(self, out);
-    else
-        respond_with_number(self, 0x60, 0, out);
-    finish(self);
+    const uint8_t end[8] = { BLOCK_END_ANSWER };
+
+    switch ((enum sdo_server_form)self->form) {
+    case SDO_SERVER_EXPEDITED: sdo_server_respond_number(self, 0x60, 0, out); break;
+    case SDO_SERVER_SEGMENTED: respond_to_segment(self, out); break;
+    case SDO_SERVER_BLOCK: sdo_server_put(self, end, out); break;
+    }
+    sdo_server_finish(self);
 }
 
 /* The value to be read is in the buffer. */
@@ -121,30 +120,43 @@ static void answer_upload(struct sdo_server *self, co_us_t now, struct co_outbox
 {
     uint8_t field[4] = { 0 };
 
+    if (sdo_server_uploads_block(self)) {
+        sdo_server_begin_block_upload(self, now, out);
+        return;
+    }
     if (self->size >= 1 && self->size <= 4) {
         memcpy(field, self->buffer, self->size);
-        respond_with_object(self, 0x43 | (4 - self->size) << 2, field, out);
-        finish(self);
+        sdo_server_respond(self, 0x43 | (4 - self->size) << 2, field, out);
+        sdo_server_finish(self);
         return;
     }
     self->position = 0;
     self->toggle = false;
-    respond_with_number(self, 0x41, self->size, out);
-    wait_for(self, SDO_SERVER_UP_SEGMENT, now);
+    sdo_server_respond_number(self, 0x41, self->size, out);
+    sdo_server_wait(self, SDO_SERVER_UP_SEGMENT, now);
 }
 
-/* Goes on with what the owner has decided, once there is room for the response. */
+/* The owner has decided. */
 static void answer_decided(struct sdo_server *self, co_us_t now, struct co_outbox *out)
 {
-    if (!co_outbox_room(out, 1, 0))
-        return;
-    self->unsent = false;
     if (self->verdict != SDO_OK)
         abort_transfer(self, self->verdict, out);
     else if (self->state == SDO_SERVER_FETCH)
         answer_upload(self, now, out);
     else
         confirm_download(self, out);
+}
+
+/* Goes on with what is due, once there is room for it. */
+static void send_unsent(struct sdo_server *self, co_us_t now, struct co_outbox *out)
+{
+    if (!co_outbox_room(out, 1, 0))
+        return;
+    self->unsent = false;
+    if (self->state == SDO_SERVER_BLOCK_UP)
+        sdo_server_send_segments(self, now, out);
+    else
+        answer_decided(self, now, out);
 }
 
 static bool is_undecided(const struct sdo_server *self, enum sdo_server_state state, co_us_t now)
@@ -159,7 +171,7 @@ void sdo_server_verdict(struct sdo_server *self, sdo_abort_t code, co_us_t now,
         return;
     self->verdict = code;
     self->unsent = true;
-    answer_decided(self, now, out);
+    send_unsent(self, now, out);
 }
 
 /* The bytes to be read, as they are now: what changes them later does not change the upload. */
@@ -180,11 +192,11 @@ void sdo_server_give(struct sdo_server *self, sdo_abort_t code, const uint8_t *b
         return;
     self->verdict = code == SDO_OK ? take_snapshot(self, bytes, size) : code;
     self->unsent = true;
-    answer_decided(self, now, out);
+    send_unsent(self, now, out);
 }
 
 /* Asks the owner for its verdict on the value in the buffer. */
-static sdo_abort_t offer_value(struct sdo_server *self, co_us_t now, struct co_outbox *out)
+sdo_abort_t sdo_server_offer_value(struct sdo_server *self, co_us_t now, struct co_outbox *out)
 {
     struct od_entry *entry = NULL;
     sdo_abort_t code = od_check_write(self->od, self->index, self->sub, &entry);
@@ -197,7 +209,7 @@ static sdo_abort_t offer_value(struct sdo_server *self, co_us_t now, struct co_o
     event.actual = self->size;
     event.code = ++self->number;
     co_outbox_put_event(out, &event);
-    wait_for(self, SDO_SERVER_VERDICT, now);
+    sdo_server_wait(self, SDO_SERVER_VERDICT, now);
     return SDO_OK;
 }
 
@@ -211,8 +223,8 @@ static uint32_t expedited_size(const struct od_entry *entry, uint8_t command)
     return fixed != 0 && fixed < 4 ? fixed : 4;
 }
 
-static sdo_abort_t check_room(const struct sdo_server *self, const struct od_entry *entry,
-                              uint32_t size)
+sdo_abort_t sdo_server_check_room(const struct sdo_server *self, const struct od_entry *entry,
+                                  uint32_t size)
 {
     sdo_abort_t code = od_check_size(entry, size);
 
@@ -225,14 +237,14 @@ static sdo_abort_t on_expedited(struct sdo_server *self, const struct od_entry *
                                 const uint8_t *data, co_us_t now, struct co_outbox *out)
 {
     const uint32_t size = expedited_size(entry, data[0]);
-    sdo_abort_t code = check_room(self, entry, size);
+    sdo_abort_t code = sdo_server_check_room(self, entry, size);
 
     if (code != SDO_OK)
         return code;
     memcpy(self->buffer, data + 4, size);
     self->size = size;
-    self->segmented = false;
-    return offer_value(self, now, out);
+    self->form = SDO_SERVER_EXPEDITED;
+    return sdo_server_offer_value(self, now, out);
 }
 
 static sdo_abort_t on_download(struct sdo_server *self, const uint8_t *data, co_us_t now,
@@ -245,16 +257,16 @@ static sdo_abort_t on_download(struct sdo_server *self, const uint8_t *data, co_
         return code;
     if (data[0] & 0x02)
         return on_expedited(self, entry, data, now, out);
-    self->announced = data[0] & 0x01 ? get_le32(data + 4) : SIZE_UNKNOWN;
-    if (self->announced != SIZE_UNKNOWN)
-        code = check_room(self, entry, self->announced);
+    self->announced = data[0] & 0x01 ? get_le32(data + 4) : SDO_SIZE_UNKNOWN;
+    if (self->announced != SDO_SIZE_UNKNOWN)
+        code = sdo_server_check_room(self, entry, self->announced);
     if (code != SDO_OK)
         return code;
     self->size = 0;
     self->toggle = false;
-    self->segmented = true;
-    respond_with_number(self, 0x60, 0, out);
-    wait_for(self, SDO_SERVER_DOWN_SEGMENT, now);
+    self->form = SDO_SERVER_SEGMENTED;
+    sdo_server_respond_number(self, 0x60, 0, out);
+    sdo_server_wait(self, SDO_SERVER_DOWN_SEGMENT, now);
     return SDO_OK;
 }
 
@@ -290,12 +302,12 @@ static sdo_abort_t on_download_segment(struct sdo_server *self, const uint8_t *d
     self->size += size;
     if ((data[0] & 0x01) == 0) {
         respond_to_segment(self, out);
-        wait_for(self, SDO_SERVER_DOWN_SEGMENT, now);
+        sdo_server_wait(self, SDO_SERVER_DOWN_SEGMENT, now);
         return SDO_OK;
     }
-    if (self->announced != SIZE_UNKNOWN && self->size < self->announced)
+    if (self->announced != SDO_SIZE_UNKNOWN && self->size < self->announced)
         return SDO_TOO_SHORT;
-    return offer_value(self, now, out);
+    return sdo_server_offer_value(self, now, out);
 }
 
 /* Asks the owner for the value of an entry that does not have it. */
@@ -306,16 +318,14 @@ static void fetch_value(struct sdo_server *self, co_us_t now, struct co_outbox *
     };
 
     co_outbox_put_event(out, &event);
-    wait_for(self, SDO_SERVER_FETCH, now);
+    sdo_server_wait(self, SDO_SERVER_FETCH, now);
 }
 
-static sdo_abort_t on_upload(struct sdo_server *self, co_us_t now, struct co_outbox *out)
+sdo_abort_t sdo_server_begin_upload(struct sdo_server *self, const struct od_entry *entry,
+                                    co_us_t now, struct co_outbox *out)
 {
-    struct od_entry *entry = NULL;
-    sdo_abort_t code = od_check_read(self->od, self->index, self->sub, &entry);
+    sdo_abort_t code;
 
-    if (code != SDO_OK)
-        return code;
     if (entry->fetched) {
         fetch_value(self, now, out);
         return SDO_OK;
@@ -324,6 +334,17 @@ static sdo_abort_t on_upload(struct sdo_server *self, co_us_t now, struct co_out
     if (code == SDO_OK)
         answer_upload(self, now, out);
     return code;
+}
+
+static sdo_abort_t on_upload(struct sdo_server *self, co_us_t now, struct co_outbox *out)
+{
+    struct od_entry *entry = NULL;
+    const sdo_abort_t code = od_check_read(self->od, self->index, self->sub, &entry);
+
+    if (code != SDO_OK)
+        return code;
+    self->form = SDO_SERVER_SEGMENTED;
+    return sdo_server_begin_upload(self, entry, now, out);
 }
 
 static sdo_abort_t on_upload_segment(struct sdo_server *self, const uint8_t *data, co_us_t now,
@@ -340,13 +361,13 @@ static sdo_abort_t on_upload_segment(struct sdo_server *self, const uint8_t *dat
     segment[0] = (uint8_t)((self->toggle ? 0x10u : 0u) | (7 - size) << 1 | (size == rest));
     if (size > 0)
         memcpy(segment + 1, self->buffer + self->position, size);
-    put_response(self, segment, out);
+    sdo_server_put(self, segment, out);
     self->position += size;
     self->toggle = !self->toggle;
     if (size == rest)
-        finish(self);
+        sdo_server_finish(self);
     else
-        wait_for(self, SDO_SERVER_UP_SEGMENT, now);
+        sdo_server_wait(self, SDO_SERVER_UP_SEGMENT, now);
     return SDO_OK;
 }
 
@@ -360,34 +381,48 @@ static void take_object(struct sdo_server *self, const uint8_t *data)
 static sdo_abort_t on_initiate(struct sdo_server *self, const uint8_t *data, co_us_t now,
                                struct co_outbox *out)
 {
-    finish(self);
+    sdo_server_finish(self);
     take_object(self, data);
-    if (data[0] >> 5 == REQUEST_DOWNLOAD)
-        return on_download(self, data, now, out);
-    return on_upload(self, now, out);
+    switch ((enum request)(data[0] >> 5)) {
+    case REQUEST_DOWNLOAD: return on_download(self, data, now, out);
+    case REQUEST_UPLOAD: return on_upload(self, now, out);
+    case REQUEST_BLOCK_UPLOAD: return sdo_server_on_block_upload(self, data, now, out);
+    case REQUEST_BLOCK_DOWNLOAD: return sdo_server_on_block_download(self, data, now, out);
+    case REQUEST_DOWNLOAD_SEGMENT:
+    case REQUEST_UPLOAD_SEGMENT:
+    case REQUEST_ABORT:
+    case REQUEST_UNKNOWN: break;
+    }
+    return SDO_COMMAND;
 }
 
 /* Initiates have their bits 1..0 (upload) or bit 0 (download) clear; the others name no object. */
-static sdo_abort_t refuse_block(struct sdo_server *self, const uint8_t *data)
+static sdo_abort_t on_block_request(struct sdo_server *self, const uint8_t *data, co_us_t now,
+                                    struct co_outbox *out)
 {
     const unsigned mask = data[0] >> 5 == REQUEST_BLOCK_UPLOAD ? 0x03 : 0x01;
 
-    if ((data[0] & mask) == 0)
-        take_object(self, data);
+    if ((data[0] & mask) != 0)
+        return self->block ? sdo_server_on_block_command(self, data, now, out) : SDO_COMMAND;
+    if (self->block)
+        return on_initiate(self, data, now, out);
+    take_object(self, data);
     return SDO_COMMAND;
 }
 
 static sdo_abort_t on_request(struct sdo_server *self, const uint8_t *data, co_us_t now,
                               struct co_outbox *out)
 {
+    if (self->state == SDO_SERVER_BLOCK_DOWN && data[0] != BLOCK_ABORT)
+        return sdo_server_on_block_segment(self, data, now, out);
     switch ((enum request)(data[0] >> 5)) {
     case REQUEST_DOWNLOAD_SEGMENT: return on_download_segment(self, data, now, out);
     case REQUEST_UPLOAD_SEGMENT: return on_upload_segment(self, data, now, out);
     case REQUEST_DOWNLOAD:
     case REQUEST_UPLOAD: return on_initiate(self, data, now, out);
-    case REQUEST_ABORT: finish(self); return SDO_OK;
+    case REQUEST_ABORT: sdo_server_finish(self); return SDO_OK;
     case REQUEST_BLOCK_UPLOAD:
-    case REQUEST_BLOCK_DOWNLOAD: return refuse_block(self, data);
+    case REQUEST_BLOCK_DOWNLOAD: return on_block_request(self, data, now, out);
     case REQUEST_UNKNOWN: break;
     }
     if (self->state == SDO_SERVER_IDLE)
@@ -426,8 +461,12 @@ static sdo_abort_t late_code(const struct sdo_server *self)
 void sdo_server_on_time(struct sdo_server *self, co_us_t now, struct co_outbox *out)
 {
     if (self->unsent)
-        answer_decided(self, now, out);
-    else if (now >= self->deadline && co_outbox_room(out, 1, 0))
+        send_unsent(self, now, out);
+    else if (now < self->deadline || !co_outbox_room(out, 1, 0))
+        return;
+    else if (self->state == SDO_SERVER_BLOCK_DOWN && self->receiver.heard)
+        sdo_server_end_sub_block(self, now, out);
+    else
         abort_transfer(self, late_code(self), out);
 }
 

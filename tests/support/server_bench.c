@@ -104,6 +104,17 @@ static void give(struct server_bench *self, const char *hex, co_us_t now, struct
     sdo_server_give(&self->server, SDO_OK, bytes, size, now, out);
 }
 
+static bool set_blocks(struct server_bench *self, const char *text)
+{
+    unsigned limit = 0;
+
+    if (sscanf(text, "blocks of %u", &limit) != 1)
+        return false;
+    self->server.block = true;
+    self->server.block_limit = (uint8_t)limit;
+    return true;
+}
+
 /* False: the text is none of these. */
 static bool call_server(struct server_bench *self, const char *text, co_us_t now,
                         struct co_outbox *out)
@@ -120,7 +131,7 @@ static bool call_server(struct server_bench *self, const char *text, co_us_t now
     else if (sscanf(text, "channel %x %x", &code, &response) == 2)
         sdo_server_set_channel(&self->server, code, response);
     else
-        return false;
+        return set_blocks(self, text);
     return true;
 }
 

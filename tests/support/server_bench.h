@@ -5,6 +5,7 @@
  *     "give 414243"          the bytes of an entry that the owner has, "give -" none
  *     "refuse 08000024"      there are none
  *     "channel 640 5C0"      other CAN-IDs; "channel 0 0" none
+ *     "blocks of 127"        serves block transfers, with so many segments
  *     "enable", "disable"
  *     "value 1017:00 E803"   the dictionary has this value
  *     "set 1008:00 41"       another value, from the application

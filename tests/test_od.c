@@ -1,5 +1,5 @@
 /* Object dictionary: entries, checks with their abort codes, power-on values. */
-#include "od/od.h"
+#include "od/od_store.h"
 
 #include "base/bytes.h"
 

@@ -28,6 +28,8 @@ static const struct device_entry entries[] = {
     { 0x1020, 2, OD_UNSIGNED32, OD_RW, 0, false },
     { 0x2000, 0, OD_UNSIGNED16, OD_RW, 20, false },
     { 0x2001, 0, OD_VISIBLE_STRING, OD_RW, 0, false },
+    { 0x2002, 0, OD_UNSIGNED16, OD_RO, 1, false },
+    { 0x2003, 0, OD_DOMAIN, OD_RW, 0, false },
     { 0x6000, 0, OD_UNSIGNED16, OD_RW, 60, false },
     { 0 },
 };
@@ -128,6 +130,41 @@ START_TEST(wrong_signatures_change_nothing)
     ck_assert_uint_eq(device_write(&device, 0x1011, 1, 4, SAVE), SDO_NOT_STORED);
     reset(RESET_NODE);
     expect("not loaded", 1111, 2222, 6666);
+}
+END_TEST
+
+/* Of all groups, in both objects; what such a transfer leaves behind does not disturb the next. */
+START_TEST(each_wrong_signature)
+{
+    static const uint32_t wrong[] = { 0,          1,          0x77726F6E, 0x6C6F6164,
+                                      0x73617665, 0x45564153, 0xFFFFFFFF };
+
+    change_all();
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)
+        for (uint8_t sub = 1; sub <= 4; sub++) {
+            ck_assert_uint_eq(device_write(&device, 0x1010, sub, 4, wrong[i]), SDO_NOT_STORED);
+            ck_assert_uint_eq(device_write(&device, 0x1011, sub, 4, wrong[i]), SDO_NOT_STORED);
+        }
+    ck_assert_uint_eq(device_write(&device, 0x1010, 1, 2, 0x6173), SDO_TOO_SHORT);
+    ck_assert_uint_eq(device_write(&device, 0x1010, 5, 4, SAVE), SDO_NO_SUB);
+    ck_assert_uint_eq(device_write(&device, 0x1010, 0, 1, 1), SDO_READ_ONLY);
+    expect("nothing changed", 1111, 2222, 6666);
+    reset(RESET_NODE);
+    expect("nothing saved", 0, 20, 60);
+}
+END_TEST
+
+/* A sub-index whose value says that it does not save on command; 0 is what many files leave out. */
+START_TEST(groups_that_do_not_obey)
+{
+    od_set_number(&device.od, 0x1010, 1, 2);
+    od_set_number(&device.od, 0x1011, 1, 2);
+    od_set_number(&device.od, 0x1010, 2, 3);
+    od_set_number(&device.od, 0x1010, 3, 0);
+    ck_assert_uint_eq(device_write(&device, 0x1010, 1, 4, SAVE), SDO_NOT_STORED);
+    ck_assert_uint_eq(device_write(&device, 0x1011, 1, 4, LOAD), SDO_NOT_STORED);
+    put(0x1010, 2, 4, SAVE);
+    put(0x1010, 3, 4, SAVE);
 }
 END_TEST
 
@@ -315,6 +352,78 @@ START_TEST(loaded_is_not_verified)
 }
 END_TEST
 
+/* ---- what is stored ---- */
+
+/* What clients cannot write is no parameter: its value is the device's own business. */
+START_TEST(values_of_the_device_are_not_saved)
+{
+    od_set_number(&device.od, 0x2002, 0, 7);
+    put(0x1010, 1, 4, SAVE);
+    reset(RESET_NODE);
+    ck_assert_uint_eq(device_value(&device, 0x2002, 0), 1);
+}
+END_TEST
+
+/* A domain in the application's memory; it once took the place of other values. */
+START_TEST(domains_are_not_saved)
+{
+    static uint8_t memory[64] = "program";
+    struct od_entry *domain = od_find(&device.od, 0x2003, 0);
+
+    ck_assert_int_eq(od_refer(domain, memory, 7, sizeof memory, true), CO_OK);
+    put(0x1010, 1, 4, SAVE);
+    memcpy(memory, "changed", 7);
+    put(0x1011, 1, 4, LOAD);
+    reset(RESET_NODE);
+    ck_assert_mem_eq(domain->value, "changed", 7);
+    ck_assert_ptr_null(domain->initial);
+}
+END_TEST
+
+/* The application has moved the string to larger memory, which a reset gives up again. */
+START_TEST(strings_that_a_reset_has_no_room_for)
+{
+    static uint8_t small[4] = "ab", large[16];
+    struct od_entry *string = od_find(&device.od, 0x2001, 0);
+
+    ck_assert_int_eq(od_refer(string, small, 2, sizeof small, true), CO_OK);
+    ck_assert_int_eq(od_refer(string, large, 0, sizeof large, false), CO_OK);
+    ck_assert_uint_eq(od_set(string, (const uint8_t *)"12345", 5), SDO_OK);
+    change_all();
+    ck_assert_uint_eq(device_write(&device, 0x1010, 1, 4, SAVE), SDO_HARDWARE);
+    put(0x1010, 3, 4, SAVE);
+    ck_assert_uint_eq(od_set(string, (const uint8_t *)"1234", 4), SDO_OK);
+    reset(RESET_NODE);
+    expect("only one group", 0, 20, 6666);
+    ck_assert_ptr_eq(string->value, small);
+    ck_assert_uint_eq(string->size, 2);
+}
+END_TEST
+
+static void switch_off_and_on(void)
+{
+    slave_done(&device.slave);
+    od_reset(&device.od, 0, 0xFFFF);
+    ck_assert_int_eq(slave_init(&device.slave, DEVICE_NODE, &device.od), CO_OK);
+    device_start(&device);
+}
+
+/* The owner may make the device anew on the same dictionary. */
+START_TEST(defaults_outlive_the_device)
+{
+    change_all();
+    put(0x1010, 1, 4, SAVE);
+    switch_off_and_on();
+    expect("saved", 1111, 2222, 6666);
+    put(0x1011, 4, 4, LOAD);
+    switch_off_and_on();
+    expect("one group loaded", 1111, 20, 6666);
+    put(0x1011, 1, 4, LOAD);
+    reset(RESET_NODE);
+    expect("loaded", 0, 20, 60);
+}
+END_TEST
+
 static Suite *make_suite(void)
 {
     Suite *suite = suite_create("slave_store");
@@ -324,6 +433,8 @@ static Suite *make_suite(void)
     suite_add_tcase(suite, tcase);
     tcase_add_loop_test(tcase, save_and_load, 0, (int)(sizeof cases / sizeof cases[0]));
     tcase_add_test(tcase, wrong_signatures_change_nothing);
+    tcase_add_test(tcase, each_wrong_signature);
+    tcase_add_test(tcase, groups_that_do_not_obey);
     tcase_add_test(tcase, load_is_done_once);
     tcase_add_test(tcase, the_later_command_counts);
     tcase_add_test(tcase, values_of_other_length);
@@ -335,6 +446,10 @@ static Suite *make_suite(void)
     tcase_add_test(tcase, half_restored_is_not_verified);
     tcase_add_test(tcase, half_saved_is_not_verified);
     tcase_add_test(tcase, loaded_is_not_verified);
+    tcase_add_test(tcase, values_of_the_device_are_not_saved);
+    tcase_add_test(tcase, domains_are_not_saved);
+    tcase_add_test(tcase, strings_that_a_reset_has_no_room_for);
+    tcase_add_test(tcase, defaults_outlive_the_device);
     return suite;
 }
 

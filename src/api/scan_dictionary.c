@@ -221,6 +221,7 @@ static int init_number(struct od_entry *entry, const struct init *init)
     entry->high = plan.high;
     memcpy(entry->value, numbers.bytes[VALUE], size);
     memcpy(entry->initial, numbers.bytes[INITIAL], size);
+    od_forget_default(entry);
     return SCANOPEN_OK;
 }
 

@@ -14,8 +14,10 @@ void od_init(struct od *self)
 
 static void free_bytes(const struct od_entry *entry, uint8_t *bytes)
 {
-    if (bytes != entry->small[0] && bytes != entry->small[1])
-        free(bytes);
+    for (unsigned i = 0; i < sizeof entry->small / sizeof entry->small[0]; i++)
+        if (bytes == entry->small[i])
+            return;
+    free(bytes);
 }
 
 static void free_entry(struct od_entry *entry)
@@ -23,6 +25,7 @@ static void free_entry(struct od_entry *entry)
     if (!entry->referred)
         free_bytes(entry, entry->value);
     free_bytes(entry, entry->initial);
+    free_bytes(entry, entry->defaults);
     free(entry->name);
     free(entry);
 }
@@ -235,7 +238,7 @@ sdo_abort_t od_set(struct od_entry *entry, const uint8_t *value, uint32_t size)
     return SDO_OK;
 }
 
-static void reset_entry(struct od_entry *entry)
+void od_reset_entry(struct od_entry *entry)
 {
     if (entry->referred) {
         entry->value = entry->initial_value;
@@ -251,7 +254,7 @@ void od_reset(struct od *self, uint16_t first, uint16_t last)
     for (size_t i = lower_bound(self, first, 0); i < self->count; i++) {
         if (self->entries[i]->index > last)
             return;
-        reset_entry(self->entries[i]);
+        od_reset_entry(self->entries[i]);
     }
 }
 
@@ -269,17 +272,7 @@ static bool make_initial(struct od_entry *entry, uint32_t size)
     return true;
 }
 
-static bool store_entry(struct od_entry *entry)
-{
-    if (od_type_size(entry->type) == 0 && !make_initial(entry, entry->size))
-        return false;
-    if (entry->size > 0)
-        memcpy(entry->initial, entry->value, entry->size);
-    entry->initial_size = entry->size;
-    return true;
-}
-
-static bool can_be_written(const struct od_entry *entry)
+bool od_can_be_written(const struct od_entry *entry)
 {
     return entry->access != OD_RO && entry->access != OD_CONST && entry->access != OD_NONE;
 }
@@ -287,7 +280,7 @@ static bool can_be_written(const struct od_entry *entry)
 /* Of bytes that nobody writes, and of domains, no copy is kept. */
 static bool keep_initial(struct od_entry *entry, const uint8_t *bytes, uint32_t size)
 {
-    if (entry->type == OD_DOMAIN || !can_be_written(entry)) {
+    if (entry->type == OD_DOMAIN || !od_can_be_written(entry)) {
         free_bytes(entry, entry->initial);
         entry->initial = NULL;
         return true;
@@ -299,12 +292,19 @@ static bool keep_initial(struct od_entry *entry, const uint8_t *bytes, uint32_t 
     return true;
 }
 
+void od_forget_default(struct od_entry *entry)
+{
+    free_bytes(entry, entry->defaults);
+    entry->defaults = NULL;
+}
+
 enum co_err od_refer(struct od_entry *entry, uint8_t *bytes, uint32_t size, uint32_t capacity,
                      bool initial)
 {
     if (initial && !keep_initial(entry, bytes, size))
         return CO_ERR_MEMORY;
     if (initial) {
+        od_forget_default(entry);
         entry->initial_value = bytes;
         entry->initial_capacity = capacity;
         entry->initial_size = size;
@@ -330,15 +330,4 @@ void od_fetch(struct od_entry *entry, uint32_t capacity)
     entry->capacity = capacity;
     entry->referred = false;
     entry->fetched = true;
-}
-
-enum co_err od_store(struct od *self, uint16_t first, uint16_t last)
-{
-    for (size_t i = lower_bound(self, first, 0); i < self->count; i++) {
-        if (self->entries[i]->index > last)
-            break;
-        if (!store_entry(self->entries[i]))
-            return CO_ERR_MEMORY;
-    }
-    return CO_OK;
 }

@@ -75,11 +75,13 @@ struct od_entry {
     uint32_t capacity; /* most bytes a value may have; the type's size for numbers */
     uint32_t size;     /* bytes of the present value */
     uint8_t *value;
-    uint32_t initial_size;      /* the power-on value, what a reset brings back */
-    uint8_t *initial;           /* NULL: the bytes a reset brings back are those at initial_value */
-    uint8_t *initial_value;     /* referred: where the value was to begin with */
-    uint32_t initial_capacity;  /* ... and how much room was there */
-    uint8_t small[2][OD_SMALL]; /* value and initial of a number */
+    uint32_t initial_size;     /* the power-on value, what a reset brings back */
+    uint8_t *initial;          /* NULL: the bytes a reset brings back are those at initial_value */
+    uint8_t *initial_value;    /* referred: where the value was to begin with */
+    uint32_t initial_capacity; /* ... and how much room was there */
+    uint32_t default_size;
+    uint8_t *defaults;          /* the DefaultValue; NULL: initial is it */
+    uint8_t small[3][OD_SMALL]; /* value, initial and defaults of a number */
     char *name;                 /* ParameterName, or NULL */
     uint32_t handle;            /* the number its owner has given it; 0: none */
     void *owner;                /* what the owner of the dictionary keeps with it; NULL */
@@ -159,10 +161,14 @@ sdo_abort_t od_set(struct od_entry *entry, const uint8_t *value, uint32_t size);
  */
 void od_set_number(struct od *self, uint16_t index, uint8_t sub, uint64_t value);
 
-/* Brings the power-on values of the objects first..last back. */
+/* Brings the power-on value back, and those of the objects first..last. */
+void od_reset_entry(struct od_entry *entry);
 void od_reset(struct od *self, uint16_t first, uint16_t last);
-/* Makes the present values of objects first..last the power-on values ("save"). CO_ERR_MEMORY */
-enum co_err od_store(struct od *self, uint16_t first, uint16_t last);
+/* The description of an entry was changed: its power-on value is its DefaultValue. */
+void od_forget_default(struct od_entry *entry);
+
+/* Clients have the right to write it. */
+bool od_can_be_written(const struct od_entry *entry);
 
 /* Bytes of a value of this type; 0: varies (strings, domain) or no type of CiA 301. */
 uint32_t od_type_size(uint8_t type);

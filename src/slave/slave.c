@@ -144,7 +144,7 @@ enum co_err slave_init(struct slave *self, uint8_t node, struct od *od)
 
 void slave_done(struct slave *self)
 {
-    slave_free_factory(self);
+    slave_execute_loads(self);
     slave_free_pdos(self);
     slave_free_channels(self);
     free(self->consumers);

@@ -85,7 +85,6 @@ enum slave_event {
 };
 
 struct slave_consumer; /* one entry of 1016h */
-struct slave_factory;  /* the values that 1011h "load" brings back */
 struct slave_pdos;     /* what 1400h..1BFFh say */
 
 /* A client's read or write that the owner is asked about. */
@@ -122,9 +121,8 @@ struct slave {
     unsigned consumer_count;
     bool consumers_due; /* a change found no room in the outbox */
     co_us_t consumer_deadline;
-    struct slave_factory *factory; /* NULL: nothing was ever saved */
-    uint8_t load;                  /* bit n: 1011:n "load" waits for the reset */
-    bool application_changed;      /* objects from 2000h on differ from the power-on values */
+    uint8_t load;             /* bit n: 1011:n "load" waits for the reset */
+    bool application_changed; /* objects from 2000h on differ from the power-on values */
 
     struct slave_pdos *pdos;
     bool accept_long; /* the owner's: of RPDOs that are too long the first bytes count */

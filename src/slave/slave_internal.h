@@ -44,7 +44,8 @@ sdo_abort_t slave_execute_store(struct slave *self, const struct slave_write *wr
 void slave_note_change(struct slave *self, const struct slave_write *write);
 /* Power-on values, of all objects or only of 1000h..1FFFh. */
 void slave_reset_objects(struct slave *self, bool application);
-void slave_free_factory(struct slave *self);
+/* What "load" has ordered, without waiting for the reset any longer. */
+void slave_execute_loads(struct slave *self);
 
 /* slave_errors.c: 1001h, 1003h, 1014h, 1015h, 1016h, 1029h. */
 enum co_err slave_make_consumers(struct slave *self);

@@ -9,6 +9,8 @@
 #define SAVE 0x65766173u /* signatures of 1010h and 1011h */
 #define LOAD 0x64616F6Cu
 
+#define ON_COMMAND 0x01u /* bit of 1010h and 1011h */
+
 struct range {
     uint32_t first, last;
 };
@@ -144,10 +146,18 @@ static sdo_abort_t check_history(const struct slave_write *write)
     return write->number == 0 ? SDO_OK : SDO_INVALID_VALUE;
 }
 
+/* Many files give no DefaultValue: 0 does not say that the device cannot. */
+static bool obeys_command(const struct slave_write *write)
+{
+    return present(write) == 0 || (present(write) & ON_COMMAND) != 0;
+}
+
 static sdo_abort_t check_signature(const struct slave_write *write)
 {
     if (write->entry->sub == 0)
         return SDO_READ_ONLY;
+    if (!obeys_command(write))
+        return SDO_NOT_STORED;
     return write->number == (write->entry->index == 0x1010 ? SAVE : LOAD) ? SDO_OK : SDO_NOT_STORED;
 }
 

@@ -2,6 +2,7 @@
 
 #include "base/bytes.h"
 #include "proto/event.h"
+#include "slave/slave_store.h"
 
 #include <string.h>
 
@@ -91,6 +92,8 @@ static void finish_write(struct slave *self, struct slave_channel *channel,
 
     if (code == SDO_OK)
         code = store_value(self, write);
+    else if (code == SLAVE_DONE)
+        code = SDO_OK;
     sdo_server_verdict(&channel->server, code, now, out);
     if (code != SDO_OK)
         return;

@@ -1,6 +1,7 @@
 /*
  * Node guarding, and nodes that are to be kept alive (NMT_Check_Nodestate).
  */
+#include "od/od_store.h"
 #include "support/suite.h"
 #include "support/watch.h"
 

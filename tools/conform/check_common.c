@@ -65,6 +65,39 @@ bool check_is_readable(const struct conform_object *object)
     return object->access != OD_WO;
 }
 
+static bool is_writable_string(const struct conform_object *object)
+{
+    return check_is_writable(object) && object->entry && (object->entry->flags & 1u) == 0 &&
+           (object->type == OD_VISIBLE_STRING || object->type == OD_OCTET_STRING);
+}
+
+const struct conform_object *check_writable_string(struct conform *self, uint32_t least)
+{
+    struct conform_value value;
+
+    for (size_t i = 0; i < self->object_count; i++) {
+        const struct conform_object *object = &self->objects[i];
+
+        if (is_writable_string(object) &&
+            conform_read(self, object->index, object->sub, &value) == SDO_OK &&
+            value.size >= least && value.size <= CONFORM_VALUE_MAX)
+            return object;
+    }
+    return NULL;
+}
+
+uint16_t check_crc16(const uint8_t *bytes, uint32_t size)
+{
+    uint16_t crc = 0;
+
+    for (uint32_t i = 0; i < size; i++) {
+        crc ^= (uint16_t)(bytes[i] << 8);
+        for (unsigned bit = 0; bit < 8; bit++)
+            crc = (uint16_t)(crc << 1 ^ (crc & 0x8000 ? 0x1021 : 0));
+    }
+    return crc;
+}
+
 /* --- limits --- */
 
 /* Of a type of whole numbers: the value at one end. */

@@ -23,6 +23,12 @@ bool check_still_serves(struct conform *self);
 bool check_is_writable(const struct conform_object *object);
 bool check_is_readable(const struct conform_object *object);
 
+/* The value has 'least' bytes, and not too many to be kept. NULL: none is known. */
+const struct conform_object *check_writable_string(struct conform *self, uint32_t least);
+
+/* Of SDO block transfers: x^16 + x^12 + x^5 + 1, beginning with 0. */
+uint16_t check_crc16(const uint8_t *bytes, uint32_t size);
+
 enum check_side { CHECK_ABOVE, CHECK_BELOW };
 
 /* The value beyond the limit that the EDS gives; false: there is none. */

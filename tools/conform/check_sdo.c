@@ -42,6 +42,18 @@ static bool check_expedited_read(struct conform *self)
     return true;
 }
 
+/* Not more, too: else two devices have this node-ID, or one answers twice. */
+static bool check_one_answer(struct conform *self)
+{
+    uint8_t answer[8];
+    size_t first;
+
+    if (!check_ask(self, 0x40, 0x1000, 0, answer))
+        return conform_fail(self, "read 1000h:00: no answer");
+    first = conform_await(self, 0, RESPONSE(self), 0);
+    return conform_expect_none(self, first + 1, RESPONSE(self), CONFORM_QUIET);
+}
+
 static bool check_read_write_only(struct conform *self)
 {
     unsigned count = 0;
@@ -328,6 +340,7 @@ static bool check_operational(struct conform *self)
 static const struct conform_check checks[] = {
     { "sdo-read-expedited", "1000h is read in one answer, with its size", "CiA 301, 7.2.4.3", 0, 0,
       check_expedited_read },
+    { "sdo-one-answer", "a request has one answer", "CiA 301, 7.2.4.3", 0, 0, check_one_answer },
     { "sdo-write-back", "what was read can be written back", "CiA 301, 7.2.4.3", 0, 0,
       check_write_back },
     { "sdo-write-read-only", "a write to 1000h is refused", "CiA 301, 7.2.4.3.17", 0, 0,

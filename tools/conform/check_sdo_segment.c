@@ -385,29 +385,17 @@ static bool check_abort_download(struct conform *self)
            check_unchanged(self, download.object, &download.before);
 }
 
-static bool is_string(const struct conform_object *object)
-{
-    return check_is_writable(object) && object->entry && (object->entry->flags & 1u) == 0 &&
-           (object->type == OD_VISIBLE_STRING || object->type == OD_OCTET_STRING);
-}
-
 static bool check_string_write(struct conform *self)
 {
+    const struct conform_object *object = check_writable_string(self, 8);
     struct conform_value before;
 
-    for (size_t i = 0; i < self->object_count; i++) {
-        const struct conform_object *object = &self->objects[i];
-
-        if (!is_string(object) ||
-            conform_read(self, object->index, object->sub, &before) != SDO_OK || before.size < 8 ||
-            before.size > CONFORM_VALUE_MAX)
-            continue;
-        return conform_must_write_bytes(self, object->index, object->sub, before.bytes,
-                                        before.size) &&
-               check_unchanged(self, object, &before);
-    }
-    return conform_skip(self, "no writable string of 8 bytes or more is known: give one with "
-                              "--eds FILE");
+    if (!object)
+        return conform_skip(self, "no writable string of 8 bytes or more is known: give one with "
+                                  "--eds FILE");
+    return conform_must_read(self, object->index, object->sub, &before) &&
+           conform_must_write_bytes(self, object->index, object->sub, before.bytes, before.size) &&
+           check_unchanged(self, object, &before);
 }
 
 #define CLAUSE  "CiA 301, 7.2.4.3"

@@ -179,6 +179,8 @@ void conform_listen(struct conform *self, unsigned ms);
 
 const struct co_frame *conform_frame(const struct conform *self, size_t number);
 co_us_t conform_time(const struct conform *self, size_t number);
+/* Takes the frames from a number on out of the trace: of one of many steps that went well. */
+void conform_drop(struct conform *self, size_t from);
 /* Frames with this identifier are in the trace. Those of conform_await() and its like are, and all
  * that are sent, NMT commands, SYNC, and the device's predefined ones. */
 void conform_show(struct conform *self, uint32_t id);

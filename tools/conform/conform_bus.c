@@ -91,15 +91,16 @@ size_t conform_mark(struct conform *self)
     return self->frame_count;
 }
 
-static void show(struct conform *self, uint32_t id)
+void conform_show(struct conform *self, uint32_t id)
 {
     if (id < 0x800)
         self->shown[id / 8] |= (uint8_t)(1u << id % 8);
 }
 
-void conform_show(struct conform *self, uint32_t id)
+void conform_drop(struct conform *self, size_t from)
 {
-    show(self, id);
+    if (!self->options.verbose && from < self->frame_count)
+        self->frame_count = from;
 }
 
 /* --- sending --- */
@@ -183,7 +184,7 @@ static size_t await(struct conform *self, size_t from, const struct wanted *want
     const co_us_t deadline = clock_now() + CO_MS(ms);
     bool more = true;
 
-    show(self, wanted->id);
+    conform_show(self, wanted->id);
     for (;;) {
         const size_t end = self->frame_count;
         const size_t found = find(self, from, wanted);
@@ -210,7 +211,7 @@ unsigned conform_count(struct conform *self, size_t from, uint32_t id, unsigned 
     const struct wanted wanted = { .id = id, .byte = -1 };
     unsigned count = 0;
 
-    show(self, id);
+    conform_show(self, id);
     conform_listen(self, ms);
     for (size_t i = from; i < self->frame_count; i++)
         count += is_wanted(&self->frames[i].frame, &wanted);

@@ -5,7 +5,10 @@ const struct conform_family *const conform_families[] = {
     &conform_eds,
     &conform_sdo,
     &conform_sdo_segment,
+    &conform_sdo_block_upload,
+    &conform_sdo_block_download,
     &conform_sdo_channel,
+    &conform_od,
 };
 
 const size_t conform_family_count = sizeof conform_families / sizeof conform_families[0];

@@ -9,6 +9,9 @@
 extern const struct conform_family conform_eds;
 extern const struct conform_family conform_sdo;
 extern const struct conform_family conform_sdo_segment;
+extern const struct conform_family conform_sdo_block_upload;
+extern const struct conform_family conform_sdo_block_download;
 extern const struct conform_family conform_sdo_channel;
+extern const struct conform_family conform_od;
 
 #endif

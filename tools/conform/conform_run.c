@@ -100,7 +100,8 @@ static void print_frame(const struct conform *self, const struct bus_rx *rx, FIL
 static char *make_trace(const struct conform *self)
 {
     const size_t count = count_shown(self);
-    size_t left_out = count > TRACE_AT_MOST ? count - TRACE_AT_MOST : 0, size;
+    const size_t most = self->options.verbose ? count : TRACE_AT_MOST;
+    size_t left_out = count > most ? count - most : 0, size;
     char *text = NULL;
     FILE *stream = open_memstream(&text, &size);
 

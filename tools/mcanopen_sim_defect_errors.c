@@ -106,6 +106,11 @@ static bool is_heartbeat(const struct sim_gate *gate, const struct co_frame *fra
     return defect_is_from(gate, frame, NMT_ERROR_CONTROL_ID) && frame->data[0] != 0;
 }
 
+static bool is_guarding(const struct co_frame *frame)
+{
+    return (frame->flags & CO_FRAME_RTR) != 0 && frame->id > NMT_ERROR_CONTROL_ID;
+}
+
 static bool alter_state(struct sim_gate *gate, struct defect_use *use, struct co_frame *frame)
 {
     (void)use;
@@ -114,10 +119,24 @@ static bool alter_state(struct sim_gate *gate, struct defect_use *use, struct co
     return true;
 }
 
+/* An answer to node guarding is no heartbeat. */
+static bool note_guarding(struct sim_gate *gate, struct defect_use *use, struct co_frame *frame)
+{
+    if (is_guarding(frame) && frame->id == NMT_ERROR_CONTROL_ID + gate_view(gate)->node)
+        use->on = true;
+    return true;
+}
+
 static bool lose_second_heartbeat(struct sim_gate *gate, struct defect_use *use,
                                   struct co_frame *frame)
 {
-    return !is_heartbeat(gate, frame) || use->count++ % 2 == 0;
+    if (!is_heartbeat(gate, frame))
+        return true;
+    if (use->on) {
+        use->on = false;
+        return true;
+    }
+    return use->count++ % 2 == 0;
 }
 
 static bool keep_toggle(struct sim_gate *gate, struct defect_use *use, struct co_frame *frame)
@@ -126,11 +145,6 @@ static bool keep_toggle(struct sim_gate *gate, struct defect_use *use, struct co
     if (is_heartbeat(gate, frame))
         frame->data[0] &= 0x7F;
     return true;
-}
-
-static bool is_guarding(const struct co_frame *frame)
-{
-    return (frame->flags & CO_FRAME_RTR) != 0 && frame->id > NMT_ERROR_CONTROL_ID;
 }
 
 static bool hear_all_guarding(struct sim_gate *gate, struct defect_use *use, struct co_frame *frame)
@@ -149,6 +163,8 @@ static bool watch_heartbeat(struct sim_gate *gate, struct defect_use *use, struc
     if (defect_is_from(gate, frame, SDO_REQUEST_ID) && (frame->data[0] & 0xE0) == 0x20 &&
         get_le16(frame->data + 1) == 0x1017)
         use->on = get_le16(frame->data + 4) != 0;
+    if (frame->id == NMT_CAN_ID && frame->data[0] > NMT_ENTER_PREOPERATIONAL)
+        use->on = false; /* a reset */
     if (use->on && is_guarding(frame) &&
         frame->id == NMT_ERROR_CONTROL_ID + gate_view(gate)->node) {
         answer = nmt_error_control_frame(gate_view(gate)->node,
@@ -288,6 +304,7 @@ const struct sim_defect sim_defects_errors[] = {
     { .name = "heartbeat-slow",
       .family = "control",
       .from_device = lose_second_heartbeat,
+      .to_device = note_guarding,
       .text = "heartbeats come at half the pace" },
     { .name = "heartbeat-unchanged",
       .family = "control",

@@ -4,9 +4,9 @@ test_conform_defects.py looks at each of them through the eyes of a tester.
 """
 import plant
 
-DEVICE = plant.DATA / "conform" / "device.eds"
+DEVICE = plant.DATA / "conform.eds"
 START, STOP, RESET = "000#0105", "000#0205", "000#8205"
-READ_TYPE, TYPE = "605#4000100000000000", "585#4300100000000000"
+READ_TYPE, TYPE = "605#4000100000000000", "585#4300100091010F00"
 
 
 class Defects(plant.PlantTest):

@@ -9,6 +9,9 @@ const struct conform_family *const conform_families[] = {
     &conform_sdo_block_download,
     &conform_sdo_channel,
     &conform_od,
+    &conform_nmt_slave,
+    &conform_heartbeat,
+    &conform_guarding,
 };
 
 const size_t conform_family_count = sizeof conform_families / sizeof conform_families[0];

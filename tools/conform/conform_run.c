@@ -322,6 +322,7 @@ static void leave_device(struct conform *self)
 int conform_run(struct conform *self)
 {
     const struct bus_options options = { .own_frames = true };
+    const struct bus_filter all = { .id = 0 }; /* own remote frames, too */
     int result;
 
     if (bus_open(self->options.bus, &options, &self->bus, self->message, sizeof self->message) !=
@@ -330,6 +331,7 @@ int conform_run(struct conform *self)
         return EXIT_BUS;
     }
     self->message[0] = '\0';
+    bus_set_filters(self->bus, &all, 1);
     if (find_node(self) && know_device(self))
         run_families(self);
     leave_device(self);

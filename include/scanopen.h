@@ -188,6 +188,28 @@ MCANOPEN_API int canOpenInitDictionaryTS(HNODE HNode, unsigned short Index, unsi
                                          pDictionaryData Data, PFN_COS_DATA_HANDLER_TS Handler);
 
 /*
+ * Ours: the bytes of a domain are in a file, MaxSize of them at most (1..2^31-1), until the next
+ * canOpenInitDictionary for the entry. A client that reads gets what is in the file at that moment,
+ * and one that writes replaces it, at once and so that a power cut leaves the old file or the new
+ * one; what is written meanwhile is in FileName~ beside it. The entry's handler is asked first, with
+ * the bytes received. The file need not be there yet, its folder must. FileName is copied; a
+ * relative one is looked up in the process's current folder when a client comes.
+ *
+ * The file work is done in the SDO daemon, and has to be over within 1 s, as a handler. A client
+ * gets 08000024h where there is no file, 06070012h for one, or for data, longer than MaxSize, and
+ * 06060000h for other errors. To the application the entry has no value: canOpenReadDictionary and
+ * canOpenWriteDictionary return SCANOPEN_WRONG_TYPE. It is not part of what 1010h stores.
+ *
+ *   SCANOPEN_WRONG_INDEX, SCANOPEN_WRONG_SUBINDEX  no such entry of 2000h..9FFFh
+ *   SCANOPEN_WRONG_TYPE                            no domain, or never initialized
+ *   SCANOPEN_WRONG_PARAMETER                       also: no FileName, MaxSize out of range
+ *   SCANOPEN_WRONG_NODESTATE                       not in NodeOffline
+ *   SCANOPEN_OUT_OF_MEMORY
+ */
+MCANOPEN_API int canOpenSetDomainFile(HNODE HNode, unsigned short Index, unsigned short Subindex,
+                                      const char *FileName, unsigned long MaxSize);
+
+/*
  * Reads an entry of the node's own dictionary, in any state. Data points to the number, in the size
  * of its type (4 bytes for INTEGER24, 8 for those of 40 to 56 bits), or else to a pointer: to the
  * first byte of a string or domain, or to the CAN_TIME_OF_DAY or CAN_TIME_DIFFERENCE. What the
@@ -196,7 +218,7 @@ MCANOPEN_API int canOpenInitDictionaryTS(HNODE HNode, unsigned short Index, unsi
  * clients can be read, those that clients can only write cannot.
  *
  *   SCANOPEN_WRONG_INDEX, SCANOPEN_WRONG_SUBINDEX  no such entry
- *   SCANOPEN_WRONG_TYPE                            the entry was never initialized
+ *   SCANOPEN_WRONG_TYPE                            the entry was never initialized, or is in a file
  *   SCANOPEN_ACCESS_ERROR                          the entry can only be written
  */
 MCANOPEN_API int canOpenReadDictionary(HNODE HNode, unsigned short Index, unsigned short Subindex,
@@ -217,6 +239,8 @@ MCANOPEN_API int canOpenReadDictionary(HNODE HNode, unsigned short Index, unsign
  *   SCANOPEN_VALUE_TOO_HIGH, SCANOPEN_VALUE_TOO_LOW  outside the limits; nothing changed
  *   SCANOPEN_WRONG_PARAMETER                         also: NULL for an entry in no such PDO, a
  *                                                    string longer than its memory
+ *   SCANOPEN_WRONG_TYPE                              the entry was never initialized, or is in a
+ *                                                    file
  *   SCANOPEN_ACCESS_ERROR                            the entry is constant, or the library's own
  *   SCANOPEN_INHIBITED                               a warning: stored; the PDO goes out once, with
  *                                                    the latest data, when its inhibit time ends

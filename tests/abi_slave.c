@@ -402,6 +402,8 @@ FUNCTION(canOpenDefinePDO, int, HNODE, const char *, uint32_t, uint16_t, int32_t
 FUNCTION(canOpenWritePDO, int, HPDO, const void *);
 FUNCTION(canOpenReadPDO, int, HPDO, void *);
 FUNCTION(canOpenRequestPDO, int, HPDO, void *);
+FUNCTION(canOpenSetDomainFile, int, HNODE, unsigned short, unsigned short, const char *,
+         unsigned long);
 FUNCTION(canOpenSetError, int, HNODE, unsigned short, unsigned short, unsigned short,
          const unsigned char *);
 FUNCTION(canOpenResetError, int, HNODE, unsigned short, const unsigned char *);

@@ -97,6 +97,11 @@ static int set_parameter(HNODE node)
     return canOpenSetParameter(node, PARAM_ENABLE_AUTO_TRANSMISSION, NULL);
 }
 
+static int set_domain_file(HNODE node)
+{
+    return canOpenSetDomainFile(node, 0x2000, 0, "file", 100);
+}
+
 static int get_parameter(HNODE node)
 {
     uint64_t value;
@@ -135,10 +140,10 @@ static int request_pdo(HPDO pdo)
 
 /* The node's own come last: the first of them ends its handle. */
 static int (*const of_node[])(HNODE) = {
-    get_node_info,      wait_for_node_state, extend_dictionary,   init_dictionary,
-    init_dictionary_ts, init_dictionary_TS,  read_dictionary,     write_dictionary,
-    define_pdo,         set_parameter,       get_parameter,       get_dictionary_handle,
-    canOpenResetNode,   canOpenDeleteNode,   canOpenActivateNode,
+    get_node_info,      wait_for_node_state, extend_dictionary, init_dictionary,
+    init_dictionary_ts, init_dictionary_TS,  read_dictionary,   write_dictionary,
+    define_pdo,         set_parameter,       get_parameter,     get_dictionary_handle,
+    set_domain_file,    canOpenResetNode,    canOpenDeleteNode, canOpenActivateNode,
 };
 static int (*const of_entry[])(HDICT) = { read_entry, write_entry };
 static int (*const of_pdo[])(HPDO) = { write_pdo, read_pdo, request_pdo };

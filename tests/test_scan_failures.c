@@ -58,12 +58,17 @@ int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes,
 static struct scan_plant *plant;
 static HNODE node, other;
 
-/* All is there but what the call makes: network 1, a second node, an object, a PDO. */
+/* All is there but what the call makes: network 1, a second node, an object, a file, a PDO. */
 static void set_up(void)
 {
+    DictionaryData nothing = { .domain = { NULL, 0, 0 } };
+
     plant = scan_plant_new(0);
     node = scan_node(plant, 5, NULL);
     scan_number(node, 0x2000, TYP_UINT8, READ_ACCESS | MAPPABLE, 1, NULL);
+    ck_assert_int_eq(canOpenExtendDictionary(node, 0x2002, 0, OBJ_VAR, MAP_DOMAIN), SCANOPEN_OK);
+    ck_assert_int_eq(canOpenInitDictionary(node, 0x2002, 0, NULL, READ_ACCESS, &nothing, NULL),
+                     SCANOPEN_OK);
 }
 
 static void tear_down(void)
@@ -106,6 +111,11 @@ static int extend_dictionary(void)
     return canOpenExtendDictionary(node, 0x2001, 20, OBJ_ARRAY, MAP_UINT64);
 }
 
+static int set_domain_file(void)
+{
+    return canOpenSetDomainFile(node, 0x2002, 0, "file", 10);
+}
+
 static int define_pdo(void)
 {
     const uint16_t mapping[] = { 0x2000, 0, 0, 0 };
@@ -136,13 +146,10 @@ struct call {
 };
 
 static const struct call in_need_of_memory[] = {
-    { create_network, remove_network },
-    { create_network_ex, remove_network },
-    { create_node, delete_node },
-    { create_node_ex, delete_node },
-    { activate_node, reset_node },
-    { extend_dictionary, NULL },
-    { define_pdo, NULL },
+    { create_network, remove_network }, { create_network_ex, remove_network },
+    { create_node, delete_node },       { create_node_ex, delete_node },
+    { activate_node, reset_node },      { extend_dictionary, NULL },
+    { set_domain_file, NULL },          { define_pdo, NULL },
 };
 
 static const struct call in_need_of_threads[] = {

@@ -154,10 +154,19 @@ void scan_open_node(struct scan_node *node)
     pthread_mutex_unlock(&scan.lock);
 }
 
+void scan_free_entry(void *owner)
+{
+    struct scan_entry *entry = owner;
+
+    if (entry)
+        free(entry->domain);
+    free(entry);
+}
+
 static void free_owners(const struct od *od)
 {
     for (size_t i = 0; i < od->count; i++)
-        free(od->entries[i]->owner);
+        scan_free_entry(od->entries[i]->owner);
 }
 
 void scan_free_node(struct scan_node *node)
@@ -171,7 +180,7 @@ void scan_free_node(struct scan_node *node)
     free(node->rpdos);
     free(node->tpdos);
     free(node->received);
-    free(node->verdicts);
+    free(node->questions);
     free(node);
 }
 

@@ -13,7 +13,9 @@
  *   scan_file.c        nodes from EDS and DCF files
  *   scan_parameter.c   versions and parameters
  *   scan_time.c        TIME
- *   scan_handlers.c    the PDO and SDO daemons: object handlers
+ *   scan_handlers.c    the PDO daemon: object handlers
+ *   scan_sdo.c         the SDO daemon: handlers and files for clients
+ *   scan_domain.c      domains in files
  *   scan_events.c      the NMT daemon: node events
  *
  *   locking  A call enters its node, which then stays until the call leaves; deleting a node waits
@@ -42,12 +44,19 @@ struct scan_net {
     struct daemon nmt, pdo, sdo;
 };
 
+/* Where the bytes of a domain are. */
+struct scan_domain {
+    uint32_t max; /* bytes */
+    char path[];
+};
+
 /* What the application gave for an entry: od_entry.owner. */
 struct scan_entry {
     bool initialized;
     PFN_COS_DATA_HANDLER handler; /* one of these, or none */
     PFN_COS_DATA_HANDLER_TS handler_ts;
-    CAN_TIME_OF_DAY time; /* what canOpenReadDictionary gave a pointer to */
+    CAN_TIME_OF_DAY time;       /* what canOpenReadDictionary gave a pointer to */
+    struct scan_domain *domain; /* NULL: the bytes are in memory */
 };
 
 struct scan_pdo {
@@ -70,11 +79,12 @@ struct scan_received {
     co_us_t time;
 };
 
-struct scan_verdict { /* an SDO write that waits for its handler */
+struct scan_question { /* of an SDO client, for the SDO daemon */
     bool pending;
+    bool reads; /* or writes */
     uint16_t index;
     uint8_t sub;
-    uint32_t size;
+    uint32_t size; /* of what it writes */
     struct slave_transfer transfer;
     co_us_t time;
 };
@@ -109,10 +119,10 @@ struct scan_node {
     unsigned asks;   /* TPDOs with ask != 0 */
     bool pdo_called; /* the daemon knows of it */
     /* the SDO daemon's */
-    struct scan_verdict *verdicts; /* by channel; of this activation or the last one */
-    unsigned verdict_count;
-    unsigned verdict_next; /* channels have their turns */
-    bool sdo_called;       /* the daemon knows of it */
+    struct scan_question *questions; /* by channel; of this activation or the last one */
+    unsigned question_count;
+    unsigned question_next; /* channels have their turns */
+    bool sdo_called;        /* the daemon knows of it */
 };
 
 /* What the daemons get. */
@@ -145,6 +155,8 @@ HNODE scan_node_handle(const struct scan_node *node);
 HPDO scan_pdo_handle(const struct scan_node *node, bool transmit, uint16_t number);
 /* SCANOPEN_OUT_OF_MEMORY */
 int scan_entry_handle(struct scan_node *node, struct od_entry *entry, HDICT *ret_handle);
+/* An od_entry.owner. */
+void scan_free_entry(void *owner);
 
 /* SCANOPEN_INVALID_HANDLE, or the node, and scan_leave() must follow. */
 int scan_enter(HNODE handle, struct scan_node **ret_node);
@@ -261,11 +273,38 @@ CAN_TIME_OF_DAY scan_time_of(const struct co_event *news);
 
 void scan_on_rpdo(struct scan_node *node, const struct co_event *event);
 void scan_on_tpdo_wanted(struct scan_node *node, const struct co_event *event);
-void scan_on_verdict(struct scan_node *node, const struct co_event *event, co_us_t now);
-/* As many as the node's slave has channels; nothing waits. False: no memory. Under the lock. */
-bool scan_make_verdicts(struct scan_node *node);
 void scan_pdo_work(void *context, const void *element);
+
+/* One call of an object handler, under no lock. */
+struct scan_call {
+    int net, node;
+    uint64_t time; /* as handlers get it */
+    uint16_t index;
+    uint8_t sub;
+    struct scan_entry handlers;
+    union scan_data data;
+};
+void scan_make_call(const struct scan_node *node, const struct od_entry *entry, co_us_t time,
+                    struct scan_call *ret_call);
+/* One of the handlers must be there. */
+int scan_run_call(const struct scan_call *call, void *data);
+
+/* ---- scan_sdo.c ---- */
+
+/* SLAVE_VERDICT, SLAVE_FETCH */
+void scan_on_question(struct scan_node *node, const struct co_event *event, co_us_t now);
+/* As many as the node's slave has channels; nothing waits. False: no memory. Under the lock. */
+bool scan_make_questions(struct scan_node *node);
 void scan_sdo_work(void *context, const void *element);
+
+/* ---- scan_domain.c ---- */
+
+/* NULL: no memory. */
+struct scan_domain *scan_copy_domain(const struct scan_domain *domain);
+/* What is in the file; *ret_bytes is to be freed. Under no lock. */
+sdo_abort_t scan_read_domain(const struct scan_domain *domain, uint8_t **ret_bytes,
+                             uint32_t *ret_size);
+sdo_abort_t scan_error_of_file(enum co_err err);
 
 /* ---- scan_events.c ---- */
 

@@ -52,12 +52,12 @@ int canOpenGetDictionaryHnd(HNODE HNode, unsigned short Index, unsigned short Su
 
 /* ---- reading ---- */
 
-/* Entries that canOpenInitDictionary has to make first. */
+/* Entries that canOpenInitDictionary has to make first, and those whose value is in a file. */
 static bool is_missing(const struct od_entry *entry)
 {
     const struct scan_entry *owner = entry->owner;
 
-    return owner && !owner->initialized;
+    return (owner && !owner->initialized) || entry->fetched;
 }
 
 static void give_pointer(const void *pointer, void *data)

@@ -121,7 +121,7 @@ static int extend(struct scan_node *node, const struct object *object)
         return result;
     if (add_object(&node->od, object) == CO_OK)
         return SCANOPEN_OK;
-    od_remove_object(&node->od, object->index, free);
+    od_remove_object(&node->od, object->index, scan_free_entry);
     return SCANOPEN_OUT_OF_MEMORY;
 }
 
@@ -276,6 +276,8 @@ static int init_entry(struct scan_node *node, struct od_entry *entry, const stru
     entry->mappable = (init->flags & (MAPPABLE | MULTI_MAP)) != 0;
     entry->map_max = init->flags & MULTI_MAP ? node->map_max : 1;
     entry->watched = init->handlers.handler || init->handlers.handler_ts;
+    free(owner->domain);
+    owner->domain = NULL;
     owner->initialized = true;
     owner->handler = init->handlers.handler;
     owner->handler_ts = init->handlers.handler_ts;

@@ -81,6 +81,18 @@ static void note_confirmed(struct scan_node *node, const struct co_event *event)
     pdo->confirmed_at = network_time(node->net->network);
 }
 
+static void on_pdo_event(struct scan_node *node, const struct co_event *event)
+{
+    switch (event->type) {
+    case SLAVE_RPDO: scan_on_rpdo(node, event); break;
+    case SLAVE_TPDO_WANTED: scan_on_tpdo_wanted(node, event); break;
+    case SLAVE_TPDO_CONFIRMED: note_confirmed(node, event); break;
+    case SLAVE_PDO_ERROR: tell_pdo_error(node, event); break;
+    case SLAVE_SYNC_MISSING: scan_tell(node, EV_SYNC, EV_TIMEOUT, 0); break;
+    default: break;
+    }
+}
+
 void scan_on_node_event(void *context, struct network *network, const struct co_event *event)
 {
     struct scan_node *node = context;
@@ -89,17 +101,13 @@ void scan_on_node_event(void *context, struct network *network, const struct co_
     case SLAVE_STATE: tell_state(node, event); break;
     case SLAVE_WRITTEN: note_written(node, event); break;
     case SLAVE_EMERGENCY: node->last_error = (int)event->code; break;
-    case SLAVE_VERDICT: scan_on_verdict(node, event, network_time(network)); break;
+    case SLAVE_VERDICT:
+    case SLAVE_FETCH: scan_on_question(node, event, network_time(network)); break;
     case SLAVE_VERDICT_LATE:
         scan_tell(node, EV_HANDLER, EV_TIMEOUT, (unsigned long)event->index << 8 | event->sub);
         break;
-    case SLAVE_RPDO: scan_on_rpdo(node, event); break;
-    case SLAVE_TPDO_WANTED: scan_on_tpdo_wanted(node, event); break;
-    case SLAVE_TPDO_CONFIRMED: note_confirmed(node, event); break;
-    case SLAVE_PDO_ERROR: tell_pdo_error(node, event); break;
-    case SLAVE_SYNC_MISSING: scan_tell(node, EV_SYNC, EV_TIMEOUT, 0); break;
     case SLAVE_TIME: tell_time(node, event); break;
-    default: break;
+    default: on_pdo_event(node, event); break;
     }
 }
 

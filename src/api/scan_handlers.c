@@ -1,15 +1,13 @@
 /*
- * Object handlers, in the PDO and the SDO daemon.
+ * The PDO daemon, and calls of object handlers.
  *
- * A daemon gets a token for a node that has something for it, one at a time for each node, so that
- * its queue cannot overflow; what there is stands in the node. Received PDOs wait in a ring of
- * usPdoRxQueueSize; TPDOs whose handlers are wanted have a flag each; of SDO writes one waits for
- * each channel.
+ * The daemon gets a token for a node that has something for it, one at a time for each node, so
+ * that its queue cannot overflow; what there is stands in the node. Received PDOs wait in a ring of
+ * usPdoRxQueueSize; TPDOs whose handlers are wanted have a flag each.
  */
 #include "api/callback.h"
 #include "api/scan.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #define TURN      64u /* calls for one node before the others have their turn */
@@ -17,62 +15,46 @@
 
 #define REASON_QUEUE 1u /* of EMCY_MESSAGE_LOST */
 
-/* One call of a handler. */
-struct call {
-    struct scan_entry handlers;
-    uint16_t index;
-    uint8_t sub;
-    union scan_data data;
-};
-
 /* What is called under no lock. */
 struct calls {
-    int net, node;
-    uint64_t time;   /* as handlers get it */
     bool wants_data; /* their Data is NULL */
     unsigned count;
-    struct call calls[CALLS_MAX];
+    struct scan_call calls[CALLS_MAX];
 };
 
-static uint64_t time_for_handlers(const struct scan_node *node, co_us_t time)
+void scan_make_call(const struct scan_node *node, const struct od_entry *entry, co_us_t time,
+                    struct scan_call *ret_call)
 {
-    return node->net->options & NORMALIZE_TIMESTAMPS ? time : time * 1000u;
+    ret_call->net = node->net->number;
+    ret_call->node = node->id;
+    ret_call->time = node->net->options & NORMALIZE_TIMESTAMPS ? time : time * 1000u;
+    ret_call->index = entry->index;
+    ret_call->sub = entry->sub;
+    ret_call->handlers = *(const struct scan_entry *)entry->owner;
 }
 
-static void begin_calls(const struct scan_node *node, co_us_t time, struct calls *calls)
+int scan_run_call(const struct scan_call *call, void *data)
 {
-    calls->net = node->net->number;
-    calls->node = node->id;
-    calls->time = time_for_handlers(node, time);
-    calls->wants_data = false;
-    calls->count = 0;
-}
-
-static struct call *add_call(struct calls *calls, const struct od_entry *entry)
-{
-    struct call *call = &calls->calls[calls->count++];
-
-    call->handlers = *(const struct scan_entry *)entry->owner;
-    call->index = entry->index;
-    call->sub = entry->sub;
-    return call;
-}
-
-static int run_call(const struct calls *calls, struct call *call)
-{
-    void *data = calls->wants_data ? NULL : &call->data;
-
     if (call->handlers.handler_ts)
-        return call->handlers.handler_ts(calls->net, calls->node, call->index, call->sub, data,
-                                         calls->time);
-    return call->handlers.handler(calls->net, calls->node, call->index, call->sub, data);
+        return call->handlers.handler_ts(call->net, call->node, call->index, call->sub, data,
+                                         call->time);
+    return call->handlers.handler(call->net, call->node, call->index, call->sub, data);
+}
+
+static struct scan_call *add_call(struct calls *calls, const struct scan_node *node,
+                                  const struct od_entry *entry, co_us_t time)
+{
+    struct scan_call *call = &calls->calls[calls->count++];
+
+    scan_make_call(node, entry, time, call);
+    return call;
 }
 
 static void run_calls(struct calls *calls)
 {
     callback_begin();
     for (unsigned i = 0; i < calls->count; i++)
-        run_call(calls, &calls->calls[i]);
+        scan_run_call(&calls->calls[i], calls->wants_data ? NULL : &calls->calls[i].data);
     callback_end();
 }
 
@@ -156,7 +138,6 @@ static void collect_received(struct scan_node *node, struct calls *calls)
 
     node->received_first = (node->received_first + 1) % node->received_size;
     node->received_count--;
-    begin_calls(node, received.time, calls);
     if (!rpdo || rpdo->generation != received.generation)
         return; /* it was for another mapping */
     for (unsigned i = 0; i < rpdo->map.count; i++) {
@@ -167,7 +148,7 @@ static void collect_received(struct scan_node *node, struct calls *calls)
             continue;
         scan_field_bytes(field, received.data, bytes);
         scan_data_from(field->entry->type, bytes, field->entry->size,
-                       &add_call(calls, field->entry)->data);
+                       &add_call(calls, node, field->entry, received.time)->data);
     }
 }
 
@@ -182,12 +163,11 @@ static void collect_wanted(struct scan_node *node, co_us_t now, struct calls *ca
     *ret_wanted = (struct wanted){ .number = number, .ask = node->tpdos[number - 1].ask };
     node->tpdos[number - 1].ask = 0;
     node->asks--;
-    begin_calls(node, now, calls);
     calls->wants_data = true;
     tpdo = slave_tpdo(&node->slave, number);
     for (unsigned i = 0; tpdo && i < tpdo->map.count; i++)
         if (is_handled(&tpdo->map.fields[i]))
-            add_call(calls, tpdo->map.fields[i].entry);
+            add_call(calls, node, tpdo->map.fields[i].entry, now);
 }
 
 /* What found no room in the ring: an event, and an emergency that is over at once. */
@@ -218,6 +198,8 @@ static bool collect(struct scan_node *node, struct calls *calls, struct wanted *
     if (lost || node->asks > 0)
         now = network_clock(node->net->network);
     *ret_wanted = (struct wanted){ .ask = 0 };
+    calls->count = 0;
+    calls->wants_data = false;
     if (lost)
         tell_lost(node, now, out);
     if (node->active && node->asks > 0)
@@ -262,139 +244,5 @@ void scan_pdo_work(void *context, const void *element)
     }
     daemon_put(&net->pdo, element);
 leave:
-    scan_leave(node);
-}
-
-/* ---- the SDO daemon ---- */
-
-bool scan_make_verdicts(struct scan_node *node)
-{
-    const unsigned count = node->slave.channel_count;
-    struct scan_verdict *verdicts = calloc(count, sizeof *verdicts);
-
-    if (!verdicts)
-        return false;
-    free(node->verdicts);
-    node->verdicts = verdicts;
-    node->verdict_count = count;
-    node->verdict_next = 0;
-    return true;
-}
-
-void scan_on_verdict(struct scan_node *node, const struct co_event *event, co_us_t now)
-{
-    const struct scan_token token = scan_token(node);
-
-    node->verdicts[event->detail] = (struct scan_verdict){ .pending = true,
-                                                           .index = event->index,
-                                                           .sub = event->sub,
-                                                           .size = (uint32_t)event->actual,
-                                                           .transfer = { event->detail,
-                                                                         event->code },
-                                                           .time = now };
-    if (node->sdo_called)
-        return;
-    node->sdo_called = true;
-    network_put(node->net->network, &node->net->sdo, &token);
-}
-
-/* The next one whose client still waits; NULL: there is none. */
-static struct scan_verdict *next_verdict(struct scan_node *node)
-{
-    for (unsigned i = 0; node->active && i < node->verdict_count; i++) {
-        struct scan_verdict *verdict = &node->verdicts[node->verdict_next];
-        const bool pending = verdict->pending;
-
-        node->verdict_next = (node->verdict_next + 1) % node->verdict_count;
-        verdict->pending = false;
-        if (pending && slave_waits_for(&node->slave, verdict->transfer))
-            return verdict;
-    }
-    return NULL;
-}
-
-/* The bytes of the value; *ret_bytes is to be freed. False: no client waits any more. */
-static bool collect_verdict(struct scan_node *node, struct calls *calls,
-                            struct slave_transfer *ret_transfer, uint8_t **ret_bytes)
-{
-    const struct scan_verdict *verdict = next_verdict(node);
-    const struct od_entry *entry;
-
-    node->sdo_called = verdict != NULL;
-    if (!verdict)
-        return false;
-    entry = od_find(&node->od, verdict->index, verdict->sub);
-    *ret_transfer = verdict->transfer;
-    *ret_bytes = malloc(verdict->size + 1u);
-    begin_calls(node, verdict->time, calls);
-    if (!*ret_bytes || !entry || !entry->owner)
-        return true;
-    if (verdict->size > 0)
-        memcpy(*ret_bytes, slave_received(&node->slave, verdict->transfer), verdict->size);
-    (*ret_bytes)[verdict->size] = 0;
-    scan_data_from(entry->type, *ret_bytes, verdict->size, &add_call(calls, entry)->data);
-    return true;
-}
-
-static sdo_abort_t code_of(int result)
-{
-    if (result > 0)
-        return (sdo_abort_t)result;
-    switch (result) {
-    case SCANOPEN_OK: return SDO_OK;
-    case SCANOPEN_VALUE_TOO_HIGH: return SDO_VALUE_HIGH;
-    case SCANOPEN_VALUE_TOO_LOW: return SDO_VALUE_LOW;
-    case SCANOPEN_WRONG_PARAMETER: return SDO_INVALID_VALUE;
-    default: return SDO_NOT_STORED;
-    }
-}
-
-static sdo_abort_t ask_handler(struct calls *calls)
-{
-    sdo_abort_t code;
-
-    if (calls->count == 0)
-        return SDO_NO_MEMORY;
-    callback_begin();
-    code = code_of(run_call(calls, &calls->calls[0]));
-    callback_end();
-    return code;
-}
-
-static bool answer_client(struct scan_node *node)
-{
-    struct slave_transfer transfer;
-    struct co_outbox *out;
-    struct calls calls;
-    uint8_t *bytes;
-    unsigned activation;
-    sdo_abort_t code;
-    co_us_t now;
-    bool wanted;
-
-    scan_lock(node, &now);
-    wanted = collect_verdict(node, &calls, &transfer, &bytes);
-    activation = node->activations;
-    network_release(node->net->network);
-    if (!wanted)
-        return false;
-    code = ask_handler(&calls);
-    free(bytes);
-    out = scan_lock(node, &now);
-    if (node->active && node->activations == activation)
-        slave_verdict(&node->slave, transfer, code, now, out);
-    scan_unlock(node);
-    return true;
-}
-
-void scan_sdo_work(void *context, const void *element)
-{
-    struct scan_net *net = context;
-    struct scan_node *node;
-
-    if (scan_enter_token(element, &node) != SCANOPEN_OK)
-        return;
-    if (answer_client(node)) /* then perhaps others; after those of other nodes */
-        daemon_put(&net->sdo, element);
     scan_leave(node);
 }

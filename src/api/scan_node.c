@@ -158,7 +158,7 @@ static int activate(struct scan_node *node, co_us_t now, struct co_outbox *out)
     node->slave.accept_long = (node->options & PDO_ACCEPT_LONG) != 0;
     node->slave.assume_sync = node->from_file; /* many files leave 1005h out */
     scan_set_pdo_flags(node);
-    if (!scan_make_verdicts(node) ||
+    if (!scan_make_questions(node) ||
         network_set_slave(node->net->network, node->id, &node->slave) != CO_OK) {
         slave_done(&node->slave);
         return SCANOPEN_OUT_OF_MEMORY;
@@ -199,8 +199,8 @@ static void deactivate(struct scan_node *node)
     od_reset(&node->od, 0, UINT16_MAX);
     scan_count_maps(node);
     node->received_count = 0;
-    for (unsigned i = 0; i < node->verdict_count; i++)
-        node->verdicts[i].pending = false;
+    for (unsigned i = 0; i < node->question_count; i++)
+        node->questions[i].pending = false;
     for (unsigned i = 0; i < node->tpdo_count; i++)
         node->tpdos[i].ask = 0;
     node->asks = 0;

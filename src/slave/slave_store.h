@@ -23,8 +23,8 @@
 
 #define SLAVE_STORE_TIME CO_MS(10000)
 
-/* A verdict: the command was executed, only the answer is due. */
-#define SLAVE_DONE ((sdo_abort_t)1)
+/* A verdict: the command was executed, only the answer is due. No handler can return it. */
+#define SLAVE_DONE 0xFFFFFFFFu
 
 /* A command whose effect is prepared. */
 struct slave_store {

@@ -338,10 +338,16 @@ MCANOPEN_API int canOpenRequestPDO(HPDO Hpdo, void *buffer);
 
 /*
  * Reports an error of the application (CiA 301, 7.2.7): counts it, sets the bits ErrorRegister
- * (ERROR_...) in 1001h, puts ErrorCode (EMCY_..., with the application's own lower byte) and
- * ErrorInformation on top of 1003h where that is there, and sends the EMCY object with ErrorCode,
- * 1001h and the 5 bytes at ErrorField; NULL: zeros. In NodeStopped and within the inhibit time the
- * object is kept back until it may be sent.
+ * (ERROR_...) in 1001h, where ERROR_GENERIC is set as long as there is any error, puts ErrorCode
+ * (EMCY_..., with the application's own lower byte) and ErrorInformation on top of 1003h where that
+ * is there, and sends the EMCY object with ErrorCode, 1001h and the 5 bytes at ErrorField; NULL:
+ * zeros. In NodeStopped, while the bus is lost and within the inhibit time the object is kept back
+ * until it may be sent; with more than 16 the oldest 15 and the latest one stay, and the log tells
+ * how many do not. A reset by NMT ends all errors.
+ *
+ * Bits 5..7 of the first two bytes at ErrorField are also set in the EMCY objects that the library
+ * sends itself from now on: those of the first one (EMCY_TEMPORARY_...) as long as
+ * canOpenResetError says, those of the second one (EMCY_STICKY_...) until the next reset by NMT.
  *
  *   SCANOPEN_WRONG_PARAMETER  ErrorCode is 0000h, ErrorRegister has bit 6 or is above FFh
  *   SCANOPEN_WRONG_NODESTATE  in NodeOffline
@@ -351,11 +357,13 @@ MCANOPEN_API int canOpenSetError(HNODE Hnode, unsigned short ErrorCode,
                                  const unsigned char *ErrorField);
 
 /*
- * Takes one error back: counts it off, clears the bits ErrorRegister in 1001h and sends the EMCY
- * object with error code 0000h. With the last error the node is free of errors, and 1001h is 0.
+ * Takes one error of the application back: counts it off, clears the bits ErrorRegister in 1001h and
+ * sends the EMCY object with error code 0000h and the 5 bytes at ErrorField. With the last error of
+ * the application its bits have gone, and with the last error of all 1001h is 0. ErrorField says how
+ * things are now: of the application's bits of its first byte those stay that are set here.
  *
  *   SCANOPEN_WRONG_PARAMETER  ErrorRegister has bit 6 or is above FFh
- *   SCANOPEN_WRONG_NODESTATE  in NodeOffline, or there is no error
+ *   SCANOPEN_WRONG_NODESTATE  in NodeOffline, or the application has no error
  */
 MCANOPEN_API int canOpenResetError(HNODE Hnode, unsigned short ErrorRegister,
                                    const unsigned char *ErrorField);

@@ -95,7 +95,8 @@ typedef struct {
  * Kinds of events: bits of SLAVE_NODE_INFO.ulEventMask, one of them in SLAVE_EVENT.ulEvent.
  *
  *   ulEvent               ulArg1                   ulArg2 or pArg2
- *   EV_GUARDING           EV_START, EV_STOP        -        life guarding begins, ends
+ *   EV_GUARDING           EV_START, EV_STOP        -        life guarding begins with a request,
+ *                                                           ends by 100Ch, 100Dh, 1017h or a reset
  *                         EV_TIMEOUT               -        the life time passed without request
  *   EV_STATE_CHANGE       new NMT state            -        NodeStopped ...
  *   EV_RESET              EV_COMMUNICATION or      EV_BEGIN, EV_END; for information only
@@ -103,18 +104,20 @@ typedef struct {
  *   EV_CONFIGURATION      EV_STORE, EV_RESTORE     sub-index of 1010h, 1011h; the answer to the SDO
  *                                                  client waits for the handler; its return
  *                                                  value is that of an object handler
- *   EV_CAN                EV_CONTROLLER_OK         -        back from bus-off
+ *   EV_CAN                EV_CONTROLLER_OK         -        back from one of these two:
  *                         EV_CONTROLLER_WARN       -        error passive
- *                         EV_CONTROLLER_BUS_OFF    -
+ *                         EV_CONTROLLER_BUS_OFF    -        bus-off, or (ours) interface down
  *                         EV_FIFO_OVERRUN          frames lost by the interface (ours)
  *                         EV_PDO_FIFO_OVERRUN      PDOs lost in the PDO daemon's queue
- *                         EV_PDO_RX_ERROR          error code of the interface
+ *                         EV_PDO_RX_ERROR          never: such errors are states of the bus
  *                         EV_PDO_NOT_PROCESSED     number of the PDO, too short for its mapping
  *                         EV_PDO_LENGTH_EXCEEDED   number of the PDO, longer than its mapping
  *   EV_EMCY               node-ID of the producer  pArg2: SLAVE_EMCY *, valid during the call
- *   EV_CONSUMER_HEARTBEAT EV_START, EV_STOP        node-ID of the producer: monitoring begins, ends
+ *   EV_CONSUMER_HEARTBEAT EV_START                 node-ID of the producer: monitoring begins with
+ *                                                  its heartbeat, also after the next two
  *                         EV_BOOTUP                node-ID: its boot-up message
  *                         EV_TIMEOUT (ours)        node-ID: its heartbeat is lost
+ *                         EV_STOP                  node-ID: monitoring ends by 1016h or a reset
  *   EV_WRITE_DICTIONARY   index                    sub-index written by an SDO client
  *   EV_SYNC (ours)        EV_TIMEOUT               SYNC frames of this producer missing on the bus
  *   EV_HANDLER (ours)     EV_TIMEOUT               index << 8 | sub-index: an object handler
@@ -169,7 +172,7 @@ typedef struct {
 /* A received EMCY object (CiA 301, 7.2.7); ours. */
 typedef struct {
     unsigned long ulCobId;
-    unsigned short usNodeId;
+    unsigned short usNodeId; /* CAN-ID 081h..0FFh: that - 80h; else the sub-index of 1028h */
     unsigned char ucData[8]; /* error code (low byte first), error register, 5 bytes of the maker */
     uint64_t ullTimestamp;   /* as object handlers get it */
 } SLAVE_EMCY;
@@ -501,14 +504,30 @@ typedef int (*PFN_COS_DATA_HANDLER_TS)(int NetNo, int NodeNo, int Index, int Sub
 #define EMCY_EXTERNAL_ERROR           0x9000
 #define EMCY_ADDITIONAL_FUNCTIONS     0xF000
 #define EMCY_DEVICE_SPECIFIC          0xFF00
-/* Sent by the library itself (names ours). The last bytes: EMCY_TEMPORARY_, EMCY_STICKY_, and: */
-#define EMCY_MESSAGE_LOST        0x8100 /* reason 1: PDO daemon's queue, number lost, 0 */
-#define EMCY_CAN_OVERRUN         0x8110 /* 0, 0, 0 */
-#define EMCY_CAN_PASSIVE         0x8120 /* 0, 0, 0 */
-#define EMCY_ERROR_CONTROL       0x8130 /* 0, 0, 0: life guarding or heartbeat */
-#define EMCY_BUS_OFF_RECOVERED   0x8140 /* 0, 0, 0 */
-#define EMCY_PDO_NOT_PROCESSED   0x8210 /* number of the PDO, length received, length mapped */
-#define EMCY_PDO_LENGTH_EXCEEDED 0x8220 /* as above */
+/*
+ * Sent by the library itself (names ours): the last bytes are EMCY_TEMPORARY_, EMCY_STICKY_, and
+ *
+ *   8100h  1: PDO daemon's queue, number lost (255: or more), 0    until the queue is empty
+ *   8110h  0, 0, 0: received frames lost                           until 1 s has passed without
+ *   8120h  0, 0, 0: CAN controller error passive                   until it is not
+ *   8130h  0, 0, 0: life guarding or heartbeat                     until the next one comes
+ *   8140h  0, 0, 0: the bus was lost, and is back                  until now
+ *   8210h  number of the PDO, length received, length mapped       until a right one comes
+ *   8220h  as 8210h                                                as 8210h
+ *   8240h  0, length of SYNC received, expected                    until a right one comes
+ *   8250h  number of the PDO, 0, 0                                 until the next one comes
+ *
+ * Then EMCY_ERROR_RESET is sent.
+ */
+#define EMCY_MESSAGE_LOST        0x8100
+#define EMCY_CAN_OVERRUN         0x8110
+#define EMCY_CAN_PASSIVE         0x8120
+#define EMCY_ERROR_CONTROL       0x8130
+#define EMCY_BUS_OFF_RECOVERED   0x8140
+#define EMCY_PDO_NOT_PROCESSED   0x8210
+#define EMCY_PDO_LENGTH_EXCEEDED 0x8220
+#define EMCY_SYNC_LENGTH         0x8240
+#define EMCY_RPDO_TIMEOUT        0x8250
 
 /* First byte: errors that are present. Bits 5..7 are the application's. */
 #define EMCY_TEMPORARY_ERROR_CONTROL 0x01

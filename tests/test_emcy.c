@@ -128,26 +128,29 @@ START_TEST(test_producer)
 }
 END_TEST
 
-/* The queue is bounded; the first errors are kept, the rest is counted. */
+/* The queue is bounded; the first errors are kept, and the last one; the others are counted. */
 START_TEST(test_queue_full)
 {
     struct emcy_producer producer;
     struct co_frame frames[2], frame;
     struct co_outbox out;
-    unsigned sent = 0;
+    unsigned sent;
 
     emcy_producer_init(&producer, 0x85);
     emcy_producer_enable(&producer, true);
     for (unsigned round = 0; round < 3; round++) { /* the ring turns */
         for (unsigned i = 0; i < EMCY_QUEUE_MAX + round; i++)
             raise_error(&producer, 0x1000 + i, 1);
+        ck_assert(emcy_producer_is_full(&producer));
+        sent = 0;
         for (unsigned i = 0; emcy_producer_deadline(&producer) != CO_NEVER; i++) {
             co_outbox_init(&out, frames, 1 + i % 2, NULL, 0);
             emcy_producer_on_time(&producer, 5, &out);
-            while (co_outbox_take_frame(&out, &frame))
-                ck_assert_uint_eq(frame.data[0], sent++ % EMCY_QUEUE_MAX);
+            for (; co_outbox_take_frame(&out, &frame); sent++)
+                ck_assert_uint_eq(frame.data[0], sent < EMCY_QUEUE_MAX - 1 ? sent : sent + round);
+            ck_assert(!emcy_producer_is_full(&producer));
         }
-        ck_assert_uint_eq(sent, (round + 1) * EMCY_QUEUE_MAX);
+        ck_assert_uint_eq(sent, EMCY_QUEUE_MAX);
     }
     ck_assert_uint_eq(producer.lost, 0 + 1 + 2);
 }

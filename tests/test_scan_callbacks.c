@@ -143,8 +143,22 @@ static int write_pdo(void)
     return canOpenWritePDO(tx, NULL);
 }
 
+static int set_error(void)
+{
+    return canOpenSetError(node, EMCY_CURRENT, 0, ERROR_CURRENT, NULL);
+}
+
+/* Of an error that it has set before. */
+static int reset_error(void)
+{
+    const int result = set_error();
+
+    return result == SCANOPEN_OK ? canOpenResetError(node, ERROR_CURRENT, NULL) : result;
+}
+
 static int (*const allowed[])(void) = {
-    get_info, get_parameter, set_parameter, get_versions, use_dictionary, use_entry, write_pdo,
+    get_info,  get_parameter, set_parameter, get_versions, use_dictionary,
+    use_entry, write_pdo,     set_error,     reset_error,
 };
 
 /* --- the callbacks --- */

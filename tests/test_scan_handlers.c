@@ -237,6 +237,8 @@ START_TEST(more_pdos_than_the_queue_holds)
     scan_await_note(event);
     scan_await(plant, "085#0081110002010200"); /* 8100h, EMCY_STICKY_FIFO_OVERRUN */
     ck_assert_uint_eq(EMCY_MESSAGE_LOST, 0x8100);
+    scan_await(plant, "085#0000000002000000"); /* the queue is empty */
+    ck_assert_uint_eq(scan_get(node, 0x1001, 0), 0);
 }
 END_TEST
 

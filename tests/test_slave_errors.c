@@ -53,21 +53,25 @@ static const struct device_talk talks[] = {
       { WATCH_7, { 0, TELLS, "written 1016:01 = 458852" },
         { 10000, QUIET, "-" }, { 10000, HEARS, "707#7F" }, { 10099, HEARS, "707#05" },
         { 10198, HEARS, "707#05" }, { 10297, HEARS, "706#05" }, { 10297, QUIET, "-" },
-        { 10297, TELLS, "heard 7: 127" }, { 10297, TELLS, "heard 7: 5" },
+        { 10297, TELLS, "watch 7 begins" }, { 10297, TELLS, "heard 7: 127" },
+        { 10297, TELLS, "heard 7: 5" },
         { 10297, TELLS, "" } } },
     { "lost, once, and back",
       { WATCH_7, { 0, TELLS, "written 1016:01 = 458852" },
         { 10, HEARS, "707#05" }, { 109, QUIET, "-" }, { 110, SENDS, ERROR },
-        { 110, TELLS, "heard 7: 5" }, { 110, TELLS, "lost 7: 5" }, { 110, TELLS, "emcy 8130 11" },
+        { 110, TELLS, "watch 7 begins" }, { 110, TELLS, "heard 7: 5" },
+        { 110, TELLS, "lost 7: 5" }, { 110, TELLS, "emcy 8130 11" },
         { 5000, QUIET, "-" },
         { 5000, HEARS, "605#4001100000000000" }, { 5000, SENDS, "585#4F01100011000000" },
         { 5010, HEARS, "707#05" }, { 5010, SENDS, NO_ERROR },
-        { 5010, TELLS, "heard 7: 5" }, { 5010, TELLS, "emcy 0000 00" }, { 5010, TELLS, "" },
+        { 5010, TELLS, "watch 7 begins" }, { 5010, TELLS, "heard 7: 5" },
+        { 5010, TELLS, "emcy 0000 00" }, { 5010, TELLS, "" },
         { 5020, HEARS, "605#4001100000000000" }, { 5020, SENDS, "585#4F01100000000000" },
         { 5110, SENDS, ERROR } } },
     { "a boot-up ends the watch until the next heartbeat",
       { WATCH_7, { 10, HEARS, "707#05" }, { 50, HEARS, "707#00" }, { 5000, QUIET, "-" },
-        { 5000, TELLS, "written 1016:01 = 458852" }, { 5000, TELLS, "heard 7: 5" },
+        { 5000, TELLS, "written 1016:01 = 458852" }, { 5000, TELLS, "watch 7 begins" },
+        { 5000, TELLS, "heard 7: 5" }, { 5000, TELLS, "watch 7 boots" },
         { 5000, TELLS, "heard 7: 0" }, { 5000, TELLS, "" },
         { 5001, HEARS, "707#7F" }, { 5100, QUIET, "-" }, { 5101, SENDS, ERROR } } },
     { "a boot-up alone is not yet the end of an error",
@@ -77,7 +81,7 @@ static const struct device_talk talks[] = {
     { "two nodes lost, one after the other back",
       { WATCH_7, WATCH_8, { 10, HEARS, "707#05" }, { 20, HEARS, "708#05" },
         { 110, SENDS, ERROR }, { 120, SENDS, ERROR },
-        { 200, HEARS, "708#05" }, { 200, SENDS, ERROR_LESS },
+        { 200, HEARS, "708#05" }, { 200, SENDS, "085#0000110100000000" },
         { 250, HEARS, "707#05" }, { 250, SENDS, NO_ERROR }, { 290, HEARS, "707#05" },
         { 299, QUIET, "-" } } },
     { "two nodes lost at the same time",
@@ -94,7 +98,8 @@ static const struct device_talk talks[] = {
     { "operational goes to pre-operational",
       { WATCH_7, { 0, HEARS, "000#0105" }, { 10, HEARS, "707#05" }, { 110, SENDS, ERROR },
         { 110, TELLS, "written 1016:01 = 458852" }, { 110, TELLS, "state 5" },
-        { 110, TELLS, "heard 7: 5" }, { 110, TELLS, "lost 7: 5" }, { 110, TELLS, "emcy 8130 11" },
+        { 110, TELLS, "watch 7 begins" }, { 110, TELLS, "heard 7: 5" },
+        { 110, TELLS, "lost 7: 5" }, { 110, TELLS, "emcy 8130 11" },
         { 110, TELLS, "state 127" } } },
     { "in stopped the emergency waits",
       { WATCH_7, { 0, HEARS, "000#0205" }, { 10, HEARS, "707#05" }, { 1000, QUIET, "-" },
@@ -161,9 +166,10 @@ END_TEST
 
 static void raise_error(uint16_t code, uint8_t bits)
 {
-    const struct emcy_message error = { .code = code,
-                                        .error_register = bits,
-                                        .field = { 0xA1, 0xB2, 0xC3, 0xD4, 0xE5 } };
+    const struct slave_error error = { .code = code,
+                                       .info = 0xB2A1,
+                                       .error_register = bits,
+                                       .field = { 0x01, 0x02, 0xC3, 0xD4, 0xE5 } };
 
     ck_assert_int_eq(slave_raise_error(&device.slave, &error, device.now, &device.out), CO_OK);
     device_drain(&device);
@@ -171,23 +177,25 @@ static void raise_error(uint16_t code, uint8_t bits)
 
 static void clear_error(uint8_t bits)
 {
-    ck_assert_int_eq(slave_clear_error(&device.slave, bits, device.now, &device.out), CO_OK);
+    static const uint8_t field[5] = { 0x11, 0x02, 0x33, 0x44, 0x55 };
+
+    ck_assert_int_eq(slave_clear_error(&device.slave, bits, field, device.now, &device.out), CO_OK);
     device_drain(&device);
 }
 
 START_TEST(own_errors)
 {
     raise_error(0x4200, 0x08);
-    ck_assert_str_eq(device_next_frame(&device, NULL), "085#004209A1B2C3D4E5");
+    ck_assert_str_eq(device_next_frame(&device, NULL), "085#0042090102C3D4E5");
     ck_assert_str_eq(device_next_event(&device), "emcy 4200 09");
     raise_error(0x1000, 0);
-    ck_assert_str_eq(device_next_frame(&device, NULL), "085#001009A1B2C3D4E5");
+    ck_assert_str_eq(device_next_frame(&device, NULL), "085#0010090102C3D4E5");
     clear_error(0x08);
-    ck_assert_str_eq(device_next_frame(&device, NULL), "085#0000010000000000");
+    ck_assert_str_eq(device_next_frame(&device, NULL), "085#0000011102334455");
     ck_assert_uint_eq(device_value(&device, 0x1001, 0), 0x01);
     device_forget(&device);
-    clear_error(0x01);
-    ck_assert_str_eq(device_next_frame(&device, NULL), NO_ERROR);
+    clear_error(0);
+    ck_assert_str_eq(device_next_frame(&device, NULL), "085#0000001102334455");
     ck_assert_uint_eq(device_value(&device, 0x1001, 0), 0);
     ck_assert_uint_eq(device_value(&device, 0x1003, 0), 2);
 }
@@ -204,7 +212,7 @@ START_TEST(own_and_communication_errors)
     device_drain(&device);
     ck_assert_str_eq(device_next_frame(&device, NULL), ERROR_LESS);
     clear_error(0x10);
-    ck_assert_str_eq(device_next_frame(&device, NULL), NO_ERROR);
+    ck_assert_str_eq(device_next_frame(&device, NULL), "085#0000001102334455");
 }
 END_TEST
 
@@ -263,7 +271,7 @@ START_TEST(devices_without_these_objects)
     device_hear(&bare, "707#05");
     device_run(&bare, CO_MS(10000));
     ck_assert_str_eq(device_next_frame(&bare, NULL), "705#7F");
-    ck_assert_int_eq(slave_raise_error(&bare.slave, &(struct emcy_message){ .code = 0x1000 },
+    ck_assert_int_eq(slave_raise_error(&bare.slave, &(struct slave_error){ .code = 0x1000 },
                                        bare.now, &bare.out),
                      CO_OK);
     device_drain(&bare);
@@ -379,6 +387,7 @@ START_TEST(full_outbox_consumer)
     device_hear(&device, "707#7F");
     device_drain(&device);
     device_run(&device, CO_MS(101));
+    ck_assert_str_eq(device_next_event(&device), "watch 7 begins");
     ck_assert_str_eq(device_next_event(&device), "heard 7: 127");
     ck_assert_str_eq(device_next_event(&device), "emcy 0000 00");
     ck_assert_str_eq(device_next_frame(&device, NULL), NO_ERROR);
@@ -387,16 +396,20 @@ END_TEST
 
 START_TEST(full_outbox_own_error)
 {
-    const struct emcy_message error = { .code = 0x1000, .error_register = 1 };
+    const struct slave_error error = { .code = 0x1000, .error_register = 1 };
+    static const uint8_t none[5] = { 0 };
 
     device_fill(&device, 8, 0);
     ck_assert_int_eq(slave_raise_error(&device.slave, &error, 0, &device.out), CO_ERR_AGAIN);
-    ck_assert_int_eq(slave_clear_error(&device.slave, 1, 0, &device.out), CO_ERR_AGAIN);
     device_drain(&device);
     ck_assert_uint_eq(device_value(&device, 0x1001, 0), 0);
     device_fill(&device, 0, 8);
     ck_assert_int_eq(slave_raise_error(&device.slave, &error, 0, &device.out), CO_OK);
     device_drain(&device);
+    device_fill(&device, 8, 0);
+    ck_assert_int_eq(slave_clear_error(&device.slave, 1, none, 0, &device.out), CO_ERR_AGAIN);
+    device_drain(&device);
+    ck_assert_uint_eq(device_value(&device, 0x1001, 0), 1);
     device_forget(&device);
     device_run(&device, 0);
     ck_assert_str_eq(device_next_frame(&device, NULL), "085#0010010000000000");

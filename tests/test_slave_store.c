@@ -236,7 +236,7 @@ END_TEST
 /* The error register and the history are states, no parameters. */
 START_TEST(errors_are_not_saved)
 {
-    const struct emcy_message error = { .code = 0x1000, .error_register = 1 };
+    const struct slave_error error = { .code = 0x1000, .error_register = 1 };
 
     ck_assert_int_eq(slave_raise_error(&device.slave, &error, 0, &device.out), CO_OK);
     device_drain(&device);
@@ -285,7 +285,7 @@ START_TEST(a_change_ends_verification)
         { 0x1020, 2, 4, 4, 1, 4 }, { 0x1010, 1, 4, SAVE, 1, 2 }, { 0x1011, 1, 4, LOAD, 1, 2 },
     };
 
-    const struct emcy_message error = { .code = 0x1000, .error_register = 1 };
+    const struct slave_error error = { .code = 0x1000, .error_register = 1 };
 
     ck_assert_int_eq(slave_raise_error(&device.slave, &error, 0, &device.out), CO_OK);
     device_drain(&device);

@@ -17,6 +17,7 @@
  *   scan_sdo.c         the SDO daemon: handlers and files for clients
  *   scan_domain.c      domains in files
  *   scan_events.c      the NMT daemon: node events
+ *   scan_error.c       errors of the application; the EMCY daemon: those of others
  *
  *   locking  A call enters its node, which then stays until the call leaves; deleting a node waits
  *            for that. What changes while a node is on the bus changes under its network's lock,
@@ -41,7 +42,7 @@ struct scan_net {
     unsigned long options; /* of SLAVE_NET_INFO */
     unsigned nodes;        /* under the change lock of scan.c */
     uint8_t bus_state;     /* as told last; under the network's lock */
-    struct daemon nmt, pdo, sdo;
+    struct daemon nmt, pdo, sdo, emcy;
 };
 
 /* Where the bytes of a domain are. */
@@ -139,6 +140,13 @@ struct scan_event_token {
     struct scan_token node; /* generation 0: none */
     SLAVE_EVENT event;
     struct co_event news;
+};
+
+/* For the EMCY daemon. */
+struct scan_emcy_token {
+    struct scan_token node;
+    SLAVE_EVENT event;
+    SLAVE_EMCY emcy;
 };
 
 /* ---- scan.c ---- */
@@ -284,6 +292,8 @@ struct scan_call {
     struct scan_entry handlers;
     union scan_data data;
 };
+/* Of reception, as the application gets it. */
+uint64_t scan_time_for_handlers(const struct scan_node *node, co_us_t time);
 void scan_make_call(const struct scan_node *node, const struct od_entry *entry, co_us_t time,
                     struct scan_call *ret_call);
 /* One of the handlers must be there. */
@@ -306,6 +316,13 @@ sdo_abort_t scan_read_domain(const struct scan_domain *domain, uint8_t **ret_byt
                              uint32_t *ret_size);
 sdo_abort_t scan_error_of_file(enum co_err err);
 
+/* ---- scan_error.c ---- */
+
+/* Under the network's lock. */
+void scan_on_emcy(struct scan_node *node, const struct co_event *event);
+void scan_emcy_work(void *context, const void *element);
+void scan_emcy_lost(void *context, unsigned count);
+
 /* ---- scan_events.c ---- */
 
 /* Under the network's lock: what a node's slave tells. */
@@ -314,6 +331,10 @@ void scan_on_node_event(void *context, struct network *network, const struct co_
 void scan_on_net_event(void *context, struct network *network, const struct co_event *event);
 void scan_nmt_work(void *context, const void *element);
 void scan_nmt_lost(void *context, unsigned count);
+/* Its handler wants that kind. */
+bool scan_wants(const struct scan_node *node, unsigned long event);
+/* Calls it, in a daemon. */
+void scan_call_handler(const struct scan_token *token, SLAVE_EVENT *event);
 /* To the node's handler, if it wants that kind. Under the network's lock. */
 void scan_tell(struct scan_node *node, unsigned long event, unsigned long arg1, unsigned long arg2);
 

@@ -8,11 +8,16 @@
 
 /* ---- under the network's lock ---- */
 
+bool scan_wants(const struct scan_node *node, unsigned long event)
+{
+    return (node->event_mask & event) != 0 && (node->on_event || node->on_event_old);
+}
+
 static void tell(struct scan_node *node, const struct scan_event_token *told)
 {
     struct scan_event_token token = *told;
 
-    if ((node->event_mask & token.event.ulEvent) == 0 || (!node->on_event && !node->on_event_old))
+    if (!scan_wants(node, token.event.ulEvent))
         return;
     token.node = scan_token(node);
     token.event.usNetNo = (unsigned short)node->net->number;
@@ -61,6 +66,25 @@ static void tell_pdo_error(struct scan_node *node, const struct co_event *event)
         scan_tell(node, EV_CAN, EV_PDO_LENGTH_EXCEEDED, event->index);
 }
 
+/* What enum slave_watching is to the application. */
+static unsigned long argument_of(uint8_t watching)
+{
+    static const unsigned long arguments[] = { [WATCH_BEGINS] = EV_START,
+                                               [WATCH_ENDS] = EV_STOP,
+                                               [WATCH_BOOT_UP] = EV_BOOTUP,
+                                               [WATCH_TIMEOUT] = EV_TIMEOUT };
+
+    return arguments[watching];
+}
+
+/* For the log. */
+static void put_news(struct scan_net *net, const struct co_event *event)
+{
+    const struct scan_event_token token = { .news = *event };
+
+    daemon_put(&net->nmt, &token);
+}
+
 static void note_written(struct scan_node *node, const struct co_event *event)
 {
     const struct od_entry *entry = od_find(&node->od, event->index, event->sub);
@@ -81,6 +105,19 @@ static void note_confirmed(struct scan_node *node, const struct co_event *event)
     pdo->confirmed_at = network_time(node->net->network);
 }
 
+static void on_supervision(struct scan_node *node, const struct co_event *event)
+{
+    switch (event->type) {
+    case SLAVE_WATCH:
+        scan_tell(node, EV_CONSUMER_HEARTBEAT, argument_of(event->detail), event->node);
+        break;
+    case SLAVE_GUARDING: scan_tell(node, EV_GUARDING, argument_of(event->detail), 0); break;
+    case SLAVE_EMCY_HEARD: scan_on_emcy(node, event); break;
+    case SLAVE_EMCY_LOST: put_news(node->net, event); break;
+    default: break;
+    }
+}
+
 static void on_pdo_event(struct scan_node *node, const struct co_event *event)
 {
     switch (event->type) {
@@ -89,7 +126,7 @@ static void on_pdo_event(struct scan_node *node, const struct co_event *event)
     case SLAVE_TPDO_CONFIRMED: note_confirmed(node, event); break;
     case SLAVE_PDO_ERROR: tell_pdo_error(node, event); break;
     case SLAVE_SYNC_MISSING: scan_tell(node, EV_SYNC, EV_TIMEOUT, 0); break;
-    default: break;
+    default: on_supervision(node, event); break;
     }
 }
 
@@ -122,36 +159,41 @@ static void tell_news(struct scan_node *node, const void *context)
     scan_tell(node, EV_CAN, news->what, news->number);
 }
 
-/* 0: nothing that a node is told. */
-static unsigned long news_of_bus(struct scan_net *net, uint8_t state)
+static bool is_lost(uint8_t state)
+{
+    return state == BUS_OFF || state == BUS_DOWN;
+}
+
+static void tell_nodes(struct scan_net *net, unsigned long what, unsigned long number)
+{
+    const struct net_news news = { what, number };
+
+    scan_each_node(net, tell_news, &news);
+}
+
+static void on_bus_state(struct scan_net *net, uint8_t state)
 {
     const uint8_t before = net->bus_state;
 
     net->bus_state = state;
-    switch ((enum bus_state)state) {
-    case BUS_OFF: return EV_CONTROLLER_BUS_OFF;
-    case BUS_PASSIVE: return EV_CONTROLLER_WARN;
-    case BUS_ACTIVE: return before == BUS_OFF ? EV_CONTROLLER_OK : 0;
-    case BUS_WARNING:
-    case BUS_DOWN: break;
-    }
-    return 0;
+    if (is_lost(state) && !is_lost(before))
+        tell_nodes(net, EV_CONTROLLER_BUS_OFF, 0);
+    if ((is_lost(before) && !is_lost(state)) || (before == BUS_PASSIVE && state < BUS_PASSIVE))
+        tell_nodes(net, EV_CONTROLLER_OK, 0);
+    if (state == BUS_PASSIVE)
+        tell_nodes(net, EV_CONTROLLER_WARN, 0);
 }
 
 void scan_on_net_event(void *context, struct network *network, const struct co_event *event)
 {
-    const struct scan_event_token token = { .news = *event };
     struct scan_net *net = context;
-    struct net_news news = { .what = 0 };
 
     if (!network_has_manager(network)) /* whose daemon logs it */
-        daemon_put(&net->nmt, &token);
+        put_news(net, event);
     if (event->type == RUNTIME_BUS_STATE)
-        news.what = news_of_bus(net, event->detail);
+        on_bus_state(net, event->detail);
     else if (event->type == RUNTIME_FRAMES_LOST)
-        news = (struct net_news){ EV_FIFO_OVERRUN, (unsigned long)event->actual };
-    if (news.what != 0)
-        scan_each_node(net, tell_news, &news);
+        tell_nodes(net, EV_FIFO_OVERRUN, (unsigned long)event->actual);
 }
 
 /* ---- the NMT daemon ---- */
@@ -163,44 +205,48 @@ static void call_old(const struct scan_node *node, const SLAVE_EVENT *event)
     node->on_event_old(place, (int)event->ulEvent, (int)event->ulArg1, (int)event->arg.ulArg2);
 }
 
-static void call_handler(const struct scan_node *node, const struct scan_event_token *token)
-{
-    CAN_TIME_OF_DAY time = scan_time_of(&token->news);
-    SLAVE_EVENT event = token->event;
-
-    if (event.ulEvent == EV_TIME)
-        event.arg.pArg2 = &time;
-    callback_begin();
-    if (node->on_event)
-        node->on_event(&event);
-    else if (node->on_event_old)
-        call_old(node, &event);
-    callback_end();
-}
-
 static void log_news(const struct scan_net *net, const struct co_event *news)
 {
     char text[CO_REPORT_TEXT_SIZE], full[CO_REPORT_TEXT_SIZE + 64];
 
-    if (!control_bus_text(net->network, news, text, sizeof text))
+    if (news->type == SLAVE_EMCY_LOST)
+        snprintf(text, sizeof text, "node %u: %u emergencies not sent: too many wait already",
+                 news->node, (unsigned)news->actual);
+    else if (!control_bus_text(net->network, news, text, sizeof text))
         return;
     snprintf(full, sizeof full, "%s: warning: %s", network_name(net->network), text);
     log_put(CO_WARNING, full);
 }
 
+void scan_call_handler(const struct scan_token *token, SLAVE_EVENT *event)
+{
+    struct scan_node *node;
+
+    if (scan_enter_token(token, &node) != SCANOPEN_OK)
+        return;
+    callback_begin();
+    if (node->on_event)
+        node->on_event(event);
+    else if (node->on_event_old)
+        call_old(node, event);
+    callback_end();
+    scan_leave(node);
+}
+
 void scan_nmt_work(void *context, const void *element)
 {
     const struct scan_event_token *token = element;
-    struct scan_node *node;
+    SLAVE_EVENT event = token->event;
+    CAN_TIME_OF_DAY time;
 
     if (token->node.generation == 0) {
         log_news(context, &token->news);
         return;
     }
-    if (scan_enter_token(&token->node, &node) != SCANOPEN_OK)
-        return;
-    call_handler(node, token);
-    scan_leave(node);
+    time = scan_time_of(&token->news);
+    if (event.ulEvent == EV_TIME)
+        event.arg.pArg2 = &time;
+    scan_call_handler(&token->node, &event);
 }
 
 void scan_nmt_lost(void *context, unsigned count)

@@ -13,8 +13,6 @@
 #define TURN      64u /* calls for one node before the others have their turn */
 #define CALLS_MAX PDO_FIELDS_MAX
 
-#define REASON_QUEUE 1u /* of EMCY_MESSAGE_LOST */
-
 /* What is called under no lock. */
 struct calls {
     bool wants_data; /* their Data is NULL */
@@ -22,12 +20,17 @@ struct calls {
     struct scan_call calls[CALLS_MAX];
 };
 
+uint64_t scan_time_for_handlers(const struct scan_node *node, co_us_t time)
+{
+    return node->net->options & NORMALIZE_TIMESTAMPS ? time : time * 1000u;
+}
+
 void scan_make_call(const struct scan_node *node, const struct od_entry *entry, co_us_t time,
                     struct scan_call *ret_call)
 {
     ret_call->net = node->net->number;
     ret_call->node = node->id;
-    ret_call->time = node->net->options & NORMALIZE_TIMESTAMPS ? time : time * 1000u;
+    ret_call->time = scan_time_for_handlers(node, time);
     ret_call->index = entry->index;
     ret_call->sub = entry->sub;
     ret_call->handlers = *(const struct scan_entry *)entry->owner;
@@ -170,21 +173,24 @@ static void collect_wanted(struct scan_node *node, co_us_t now, struct calls *ca
             add_call(calls, node, tpdo->map.fields[i].entry, now);
 }
 
-/* What found no room in the ring: an event, and an emergency that is over at once. */
+/* What found no room in the ring, and the end of that: it is empty. */
 static void tell_lost(struct scan_node *node, co_us_t now, struct co_outbox *out)
 {
     const unsigned lost = node->received_lost;
-    const struct emcy_message error = { .code = EMCY_MESSAGE_LOST,
-                                        .error_register = ERROR_COMMUNICATION,
-                                        .field = {
-                                            0, EMCY_STICKY_FIFO_OVERRUN, REASON_QUEUE,
-                                            (uint8_t)(lost < UINT8_MAX ? lost : UINT8_MAX) } };
 
-    if (lost == 0 || slave_raise_error(&node->slave, &error, now, out) != CO_OK)
-        return;
-    slave_clear_error(&node->slave, ERROR_COMMUNICATION, now, out);
-    node->received_lost = 0;
-    scan_tell(node, EV_CAN, EV_PDO_FIFO_OVERRUN, lost);
+    if (lost == 0) {
+        slave_pdos_taken(&node->slave, now, out);
+    } else if (slave_lose_pdos(&node->slave, lost, now, out) == CO_OK) {
+        node->received_lost = 0;
+        scan_tell(node, EV_CAN, EV_PDO_FIFO_OVERRUN, lost);
+    }
+}
+
+static bool has_lost(const struct scan_node *node)
+{
+    const bool over = node->received_count == 0 && node->slave.errors.pdos_lost;
+
+    return node->active && (node->received_lost > 0 || over);
 }
 
 /* False: there is nothing more for this node. SYNC does not wait: TPDOs come first. */
@@ -192,7 +198,7 @@ static bool collect(struct scan_node *node, struct calls *calls, struct wanted *
 {
     co_us_t now;
     struct co_outbox *out = scan_lock_untimed(node, &now);
-    const bool lost = node->active && node->received_lost > 0;
+    const bool lost = has_lost(node);
     bool more;
 
     if (lost || node->asks > 0)

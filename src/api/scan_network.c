@@ -8,6 +8,8 @@
 #include <stdlib.h>
 
 #define NMT_EVENTS    1024u
+#define EMCY_EVENTS   256u
+#define DAEMONS       4u
 #define TOKENS        (2u * NMT_NODE_MAX) /* one for each node, and one that has just been taken */
 #define PORTABLE_MAX  31
 #define NATIVE_MAX    99
@@ -63,7 +65,7 @@ static int highest(const struct priorities *priorities)
 
 static void set_priorities(struct scan_net *net, const struct priorities *priorities)
 {
-    struct daemon *const daemons[] = { &net->nmt, &net->sdo, &net->pdo };
+    struct daemon *const daemons[] = { &net->nmt, &net->sdo, &net->pdo, &net->emcy };
     enum co_err err;
 
     if (!priorities->given)
@@ -82,28 +84,37 @@ static void set_priorities(struct scan_net *net, const struct priorities *priori
 
 /* ---- opening ---- */
 
-static bool start_daemons(struct scan_net *net)
+/* Started in this order, and stopped in the other one. */
+static unsigned start_daemons(struct scan_net *net)
 {
+    const struct {
+        struct daemon *daemon;
+        const char *name;
+        size_t element;
+        unsigned capacity;
+    } daemons[] = { { &net->nmt, "mcan-nmt", sizeof(struct scan_event_token), NMT_EVENTS },
+                    { &net->emcy, "mcan-emcy", sizeof(struct scan_emcy_token), EMCY_EVENTS },
+                    { &net->pdo, "mcan-pdo", sizeof(struct scan_token), TOKENS },
+                    { &net->sdo, "mcan-sdo", sizeof(struct scan_token), TOKENS } };
+    unsigned started = 0;
+
     net->nmt = (struct daemon){ .work = scan_nmt_work, .lost = scan_nmt_lost, .context = net };
+    net->emcy = (struct daemon){ .work = scan_emcy_work, .lost = scan_emcy_lost, .context = net };
     net->pdo = (struct daemon){ .work = scan_pdo_work, .context = net };
     net->sdo = (struct daemon){ .work = scan_sdo_work, .context = net };
-    if (daemon_start(&net->nmt, "mcan-nmt", sizeof(struct scan_event_token), NMT_EVENTS) != CO_OK)
-        return false;
-    if (daemon_start(&net->pdo, "mcan-pdo", sizeof(struct scan_token), TOKENS) != CO_OK)
-        goto stop_nmt;
-    if (daemon_start(&net->sdo, "mcan-sdo", sizeof(struct scan_token), TOKENS) == CO_OK)
-        return true;
-    daemon_stop(&net->pdo);
-stop_nmt:
-    daemon_stop(&net->nmt);
-    return false;
+    while (started < DAEMONS &&
+           daemon_start(daemons[started].daemon, daemons[started].name, daemons[started].element,
+                        daemons[started].capacity) == CO_OK)
+        started++;
+    return started;
 }
 
-static void stop_daemons(struct scan_net *net)
+static void stop_daemons(struct scan_net *net, unsigned started)
 {
-    daemon_stop(&net->sdo);
-    daemon_stop(&net->pdo);
-    daemon_stop(&net->nmt);
+    struct daemon *const daemons[DAEMONS] = { &net->nmt, &net->emcy, &net->pdo, &net->sdo };
+
+    while (started > 0)
+        daemon_stop(daemons[--started]);
 }
 
 static int error_of_open(enum co_err err)
@@ -137,18 +148,16 @@ static int open_and_start(struct scan_net *net, const SLAVE_NET_INFO *info,
                           const struct priorities *priorities)
 {
     int result = open_network(net, info);
+    unsigned started;
 
     if (result != SCANOPEN_OK)
         return result;
-    if (!start_daemons(net))
-        goto close_network;
-    if (network_run(net->network) != CO_OK)
-        goto stop_daemons;
-    set_priorities(net, priorities);
-    return SCANOPEN_OK;
-stop_daemons:
-    stop_daemons(net);
-close_network:
+    started = start_daemons(net);
+    if (started == DAEMONS && network_run(net->network) == CO_OK) {
+        set_priorities(net, priorities);
+        return SCANOPEN_OK;
+    }
+    stop_daemons(net, started);
     nets_close(net->number, NET_SLAVES);
     return SCANOPEN_CANNOT_START_DAEMON;
 }
@@ -210,7 +219,7 @@ static int remove_network(int number)
         return SCANOPEN_SERVICE_NOT_ALLOWED;
     nets_silence(number, NET_SLAVES);
     network_settle(net->network);
-    stop_daemons(net);
+    stop_daemons(net, DAEMONS);
     nets_close(number, NET_SLAVES);
     scan_set_net(number, NULL);
     free(net);

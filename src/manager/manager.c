@@ -63,6 +63,18 @@ static bool is_power_of_2(uint64_t number)
     return (number & (number - 1)) == 0;
 }
 
+/* What only an application would want to know of its device. */
+static bool is_of_device(uint16_t type)
+{
+    static const uint16_t types[] = { SLAVE_WRITTEN,   SLAVE_EMERGENCY, SLAVE_EMCY_HEARD,
+                                      SLAVE_EMCY_LOST, SLAVE_WATCH,     SLAVE_GUARDING };
+
+    for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
+        if (types[i] == type)
+            return true;
+    return false;
+}
+
 /* True if the event was for the manager alone. */
 static bool consume(struct manager *self, const struct co_event *event, co_us_t now)
 {
@@ -74,9 +86,7 @@ static bool consume(struct manager *self, const struct co_event *event, co_us_t 
     case PROTO_GUARD_LOST: error_control_on_lost(self, event->node, now); return true;
     case MANAGER_NODE_ID_TAKEN:
     case PROTO_GUARD_TOGGLE: return !is_power_of_2(event->actual); /* told ever more rarely */
-    case SLAVE_WRITTEN:
-    case SLAVE_EMERGENCY: return true;
-    default: return false;
+    default: return is_of_device(event->type);
     }
 }
 

@@ -29,15 +29,20 @@ void emcy_producer_enable(struct emcy_producer *self, bool enabled)
     self->enabled = enabled;
 }
 
+bool emcy_producer_is_full(const struct emcy_producer *self)
+{
+    return self->count == EMCY_QUEUE_MAX;
+}
+
 void emcy_producer_raise(struct emcy_producer *self, const struct emcy_message *message)
 {
     if (self->cob_id & COB_ID_INVALID)
         return;
-    if (self->count == EMCY_QUEUE_MAX) {
+    if (emcy_producer_is_full(self))
         self->lost++;
-        return;
-    }
-    self->queue[(self->first + self->count++) % EMCY_QUEUE_MAX] = *message;
+    else
+        self->count++;
+    self->queue[(self->first + self->count - 1) % EMCY_QUEUE_MAX] = *message;
 }
 
 static struct co_frame message_frame(const struct emcy_message *message, uint32_t cob_id)

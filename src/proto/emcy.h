@@ -1,8 +1,9 @@
 /*
  * Emergency producer and consumer (CiA 301, 7.2.7; objects 1001h, 1014h, 1015h, 1028h).
  *
- * The producer keeps the errors that are to be sent until the inhibit time allows: each event gives
- * one frame, in order. Its queue is bounded; what does not fit is counted.
+ * The producer keeps the errors that are to be sent until the inhibit time allows: each event
+ * gives one frame, in order. Its queue is bounded; what does not fit is counted. The latest one
+ * always has a place, that of the one before it, so that the last frame tells how things are.
  */
 #ifndef CO_PROTO_EMCY_H
 #define CO_PROTO_EMCY_H
@@ -26,7 +27,7 @@ struct emcy_producer {
     bool enabled; /* NMT state pre-operational or operational */
     struct emcy_message queue[EMCY_QUEUE_MAX];
     unsigned first, count;
-    unsigned lost; /* did not fit */
+    unsigned lost; /* did not fit; the owner's to clear */
 };
 
 void emcy_producer_init(struct emcy_producer *self, uint32_t cob_id);
@@ -38,6 +39,7 @@ void emcy_producer_enable(struct emcy_producer *self, bool enabled);
  * While 1014h is not valid the message is left out.
  */
 void emcy_producer_raise(struct emcy_producer *self, const struct emcy_message *message);
+bool emcy_producer_is_full(const struct emcy_producer *self);
 void emcy_producer_on_time(struct emcy_producer *self, co_us_t now, struct co_outbox *out);
 co_us_t emcy_producer_deadline(const struct emcy_producer *self);
 

@@ -72,6 +72,17 @@ static void deliver(struct network *self, const struct bus_rx *rx)
     }
 }
 
+static void tell_frames_lost(struct network *self, unsigned count)
+{
+    network_tell(self, (struct co_event){ .type = RUNTIME_FRAMES_LOST, .actual = count });
+    for (unsigned i = 0; i < self->device_count; i++) {
+        if (!self->devices[i].slave)
+            continue;
+        slave_on_frames_lost(self->devices[i].slave, self->now, &self->out);
+        network_drain(self, &self->devices[i]);
+    }
+}
+
 enum received {
     RECEIVED_ALL,
     RECEIVED_MANY, /* there may be more */
@@ -88,11 +99,11 @@ static enum received receive_burst(struct network *self)
         err = bus_receive(self->bus, &rx);
         if (err != CO_OK)
             break;
-        if (rx.lost)
-            network_tell(self, (struct co_event){ .type = RUNTIME_FRAMES_LOST, .actual = rx.lost });
         alone = rx.time > self->last_frame + ALONE;
         self->last_frame = rx.time;
         self->now = rx.time;
+        if (rx.lost)
+            tell_frames_lost(self, rx.lost);
         deliver(self, &rx);
     }
     self->receive_fails = err != CO_OK && err != CO_ERR_AGAIN;
@@ -312,6 +323,7 @@ enum co_err network_set_slave(struct network *self, uint8_t node, struct slave *
         device->since = self->now;
         device->listen_seen = slave->listen_generation;
         device->sync_seen = slave->sync_generation - 1; /* it is new to us */
+        slave_on_bus(slave, network_slave_bus(self->bus_state), self->now, &self->out);
     }
     device->slave = slave;
     return take_device(self, device);

@@ -79,6 +79,9 @@ void network_drain(struct network *self, struct device *device);
 /* Sends what waits, looks at the bus, and tells what is to be told. */
 void network_flush(struct network *self, co_us_t now);
 
+/* What a state of the bus is to a slave. */
+enum slave_bus network_slave_bus(enum bus_state state);
+
 /* network_listen.c */
 /* The bus lets through what the devices listen to. */
 enum co_err network_listen(struct network *self);

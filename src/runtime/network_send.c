@@ -18,6 +18,13 @@ static bool is_lost(enum bus_state state)
     return state == BUS_OFF || state == BUS_DOWN;
 }
 
+enum slave_bus network_slave_bus(enum bus_state state)
+{
+    if (is_lost(state))
+        return SLAVE_BUS_LOST;
+    return state == BUS_PASSIVE ? SLAVE_BUS_PASSIVE : SLAVE_BUS_OK;
+}
+
 /* False: the bus does not keep up, or is lost, or refuses. */
 static bool send_frame(struct network *self, const struct co_frame *frame)
 {
@@ -82,6 +89,16 @@ static void tell_managers(struct network *self, bool up, co_us_t now)
     }
 }
 
+static void tell_slaves(struct network *self, enum bus_state state)
+{
+    for (unsigned i = 0; i < self->device_count; i++) {
+        if (!self->devices[i].slave)
+            continue;
+        slave_on_bus(self->devices[i].slave, network_slave_bus(state), self->now, &self->out);
+        network_drain(self, &self->devices[i]);
+    }
+}
+
 static void change_state(struct network *self, enum bus_state state)
 {
     enum bus_state before = self->bus_state;
@@ -92,6 +109,7 @@ static void change_state(struct network *self, enum bus_state state)
     network_tell(self, (struct co_event){ .type = RUNTIME_BUS_STATE, .detail = (uint8_t)state });
     if (is_lost(before) != is_lost(state))
         tell_managers(self, !is_lost(state), network_clock(self));
+    tell_slaves(self, state);
 }
 
 /* A connection that was lost and is back before anybody has looked was lost all the same. */

@@ -8,7 +8,7 @@
 #define IS_NMT_MASTER  0x01u /* bits of 1F80h */
 #define DOES_NOT_START 0x04u
 
-static bool is_on(const struct slave *self)
+bool slave_is_on(const struct slave *self)
 {
     return self->state != NMT_INITIALISING;
 }
@@ -26,7 +26,7 @@ static void put_state_event(struct slave *self, struct co_outbox *out)
 
 static void tell_state(struct slave *self, struct co_outbox *out)
 {
-    if (self->state != self->told_state && is_on(self) && co_outbox_room(out, 0, 1))
+    if (self->state != self->told_state && slave_is_on(self) && co_outbox_room(out, 0, 1))
         put_state_event(self, out);
 }
 
@@ -38,7 +38,7 @@ void slave_enter_state(struct slave *self, enum nmt_state state, co_us_t now, st
     self->heartbeat.state = (uint8_t)state;
     self->guard.state = (uint8_t)state;
     slave_enable_channels(self, services);
-    emcy_producer_enable(&self->emcy, services);
+    slave_enable_emcy(self);
     slave_enable_sync(self, services);
     self->time.enabled = services;
     tell_state(self, out);
@@ -72,11 +72,15 @@ static void boot_up(struct slave *self, co_us_t now, struct co_outbox *out)
     slave_enter_state(self, NMT_INITIALISING, now, out);
     hb_producer_start(&self->heartbeat, 0, false, now);
     slave_reset_errors(self);
+    slave_reset_consumers(self);
     slave_reset_guarding(self);
     slave_configure_channels(self);
     slave_reset_pdos(self, now);
     slave_configure_sync(self);
     slave_configure_time(self);
+    slave_configure_hearing(self);
+    slave_watch_consumers(self, now, out); /* that no one is watched any more */
+    slave_watch_guarding(self, now, out);
     self->boot_up_due = true;
     finish_boot_up(self, now, out);
 }
@@ -132,7 +136,7 @@ enum co_err slave_init(struct slave *self, uint8_t node, struct od *od)
         return err;
     drop_signature_limits(od);
     if (slave_make_channels(self) != CO_OK || slave_make_consumers(self) != CO_OK ||
-        slave_make_pdos(self) != CO_OK) {
+        slave_make_hearing(self) != CO_OK || slave_make_pdos(self) != CO_OK) {
         slave_done(self);
         return CO_ERR_MEMORY;
     }
@@ -148,7 +152,9 @@ void slave_done(struct slave *self)
     slave_free_pdos(self);
     slave_free_channels(self);
     free(self->consumers);
+    free(self->heard);
     self->consumers = NULL;
+    self->heard = NULL;
 }
 
 void slave_start(struct slave *self, co_us_t now, struct co_outbox *out)
@@ -168,7 +174,7 @@ void slave_command(struct slave *self, enum nmt_command command, co_us_t now, st
     const enum nmt_state next = nmt_next_state((enum nmt_state)self->state, command);
     const bool is_reset = command == NMT_RESET_NODE || command == NMT_RESET_COMMUNICATION;
 
-    if (is_reset && (is_on(self) || self->boot_up_due))
+    if (is_reset && (slave_is_on(self) || self->boot_up_due))
         reset(self, command, now, out);
     else if (!is_reset && next != self->state)
         slave_enter_state(self, next, now, out);
@@ -196,7 +202,7 @@ static bool on_service_frame(struct slave *self, const struct co_frame *frame, c
     } else if (channel != NULL) {
         slave_serve(self, channel, frame, now, out);
     } else if ((frame->id & 0x780u) == NMT_ERROR_CONTROL_ID) {
-        if (is_on(self))
+        if (slave_is_on(self))
             on_error_control(self, frame, now, out);
     } else {
         return false;
@@ -211,8 +217,10 @@ void slave_on_frame(struct slave *self, const struct co_frame *frame, co_us_t no
 
     slave_step_pdos(self, now, out);
     if (own || (frame->flags & CO_FRAME_EXT) != 0 || !on_service_frame(self, frame, now, out))
-        if (own || !(slave_hear_sync(self, frame, now, out) || slave_hear_time(self, frame, out)))
+        if (own || !(slave_hear_sync(self, frame, now, out) || slave_hear_time(self, frame, out))) {
+            slave_hear_emcy(self, frame, now, out);
             slave_hear_pdo(self, frame, now, out);
+        }
 }
 
 void slave_on_time(struct slave *self, co_us_t now, struct co_outbox *out)
@@ -224,20 +232,22 @@ void slave_on_time(struct slave *self, co_us_t now, struct co_outbox *out)
     hb_producer_on_time(&self->heartbeat, now, out);
     slave_watch_consumers(self, now, out);
     slave_watch_guarding(self, now, out);
-    emcy_producer_on_time(&self->emcy, now, out);
+    slave_step_bus(self, now, out);
+    slave_step_emcy(self, now, out);
     slave_step_sdo(self, now, out);
 }
 
 co_us_t slave_deadline(const struct slave *self)
 {
     co_us_t deadline = co_earlier(hb_producer_deadline(&self->heartbeat),
-                                  emcy_producer_deadline(&self->emcy));
+                                  slave_emcy_deadline(self));
 
     if (self->boot_up_due || self->consumers_due || self->state != self->told_state)
         return 0;
     deadline = co_earlier(deadline, slave_sdo_deadline(self));
     deadline = co_earlier(deadline, slave_sync_deadline(self));
     deadline = co_earlier(deadline, slave_pdo_deadline(self));
-    deadline = co_earlier(deadline, guard_slave_deadline(&self->guard));
+    deadline = co_earlier(deadline, slave_guarding_deadline(self));
+    deadline = co_earlier(deadline, slave_bus_deadline(self));
     return co_earlier(deadline, self->consumer_deadline);
 }

@@ -14,8 +14,8 @@
  * Reset communication brings the power-on values of 1000h..1FFFh back, reset node those of all
  * objects. The power-on values are the DefaultValues, or what 1010h "save" stored since.
  *
- * Events of the heartbeat consumers (1016h) are passed on: PROTO_HB_STATE, PROTO_HB_LOST with the
- * node-ID of the producer. The outbox needs room for at least 2 frames and 4 events.
+ * PROTO_HB_STATE of the heartbeat consumers (1016h) is passed on, with the node-ID of the producer.
+ * The outbox needs room for at least 2 frames and 4 events.
  *
  *   owner    runtime/, or a test; it owns the dictionary
  *   locking  none; the owner's
@@ -81,10 +81,82 @@ enum slave_event {
     SLAVE_PDO_ERROR,
     SLAVE_SYNC_LENGTH,  /* node, code (8240h), detail (bytes received), sub (expected): as above */
     SLAVE_SYNC_MISSING, /* node: what slave_sync_external() promised does not come; once */
-    SLAVE_TIME          /* node, code (ms after midnight), index (days since 1984-01-01): a TIME */
+    SLAVE_TIME,         /* node, code (ms after midnight), index (days since 1984-01-01): a TIME */
+    SLAVE_WATCH,    /* node: one that 1016h watches, detail: enum slave_watching, sub: its state */
+    SLAVE_GUARDING, /* node, detail: enum slave_watching, of life guarding */
+    /*
+     * An emergency that 1028h listens to.
+     *   node           of this device
+     *   index, detail  the entry of 1028h: its sub-index; the node-ID of the producer
+     *   code           COB-ID
+     *   actual         when its frame was received
+     *   data
+     */
+    SLAVE_EMCY_HEARD,
+    SLAVE_EMCY_LOST /* node, actual: so many emergencies of its own found no room in the queue */
+};
+
+enum slave_watching {
+    WATCH_BEGINS, /* with the first heartbeat or request, and with the first one after a time-out */
+    WATCH_ENDS,   /* by a changed parameter or a reset */
+    WATCH_BOOT_UP, /* of the node; watching goes on with its next heartbeat */
+    WATCH_TIMEOUT
+};
+
+/* What the owner knows of the bus. */
+enum slave_bus {
+    SLAVE_BUS_OK,
+    SLAVE_BUS_PASSIVE,
+    SLAVE_BUS_LOST /* bus-off, or the interface is down */
+};
+
+/*
+ * The error state: free of errors, or not. Each error is counted once, from its emergency to the
+ * one with code 0000h that says that it has gone. 1001h is what the errors that there are say
+ * together, with the generic bit as long as there is one.
+ *
+ *   application      slave_raise_error() to slave_clear_error()
+ *   lost             8130h: a node or the master is silent, until it is heard again
+ *   faults           what is wrong in the device's communication:
+ *                    8210h.. 8250h: an RPDO or SYNC, until a right one comes
+ *     overrun        8110h: received frames were lost, until 1 s has passed without
+ *     pdos_lost      8100h: slave_lose_pdos() to slave_pdos_taken()
+ *   told_bus         8120h: error passive, until the controller is not
+ *                    8140h: the bus was lost; the emergency for that and its end come when it is
+ *                    back
+ *
+ * Emergencies of the device itself begin their field with two bytes of bits: what there is (1:
+ * error control, 2: error passive, 4: bus lost), and what has been since the last reset (1: the
+ * controller had errors, 2: something was lost, 4: PDOs of a wrong length). Bits 5..7 of both are
+ * the application's, see slave_raise_error().
+ */
+struct slave_errors {
+    unsigned application; /* errors of it */
+    uint8_t raised;       /* their bits of 1001h */
+    uint8_t temporary;    /* its bits of the first byte */
+    uint8_t sticky;       /* the second byte */
+    unsigned lost;
+    unsigned faults;
+    uint8_t bus;      /* enum slave_bus, as it is ... */
+    uint8_t told_bus; /* ... and as the network knows it */
+    bool outage;      /* it was lost meanwhile, and the network does not know */
+    bool overrun_due; /* frames were lost, and the network does not know */
+    bool overrun;
+    co_us_t overrun_end;
+    bool pdos_lost;
+    bool emcy_lost_told; /* ... that the queue was full, since it was */
+};
+
+/* An error of the application. */
+struct slave_error {
+    uint16_t code;
+    uint16_t info;          /* for 1003h */
+    uint8_t error_register; /* bits for 1001h */
+    uint8_t field[5];
 };
 
 struct slave_consumer; /* one entry of 1016h */
+struct slave_hearing;  /* one of 1028h */
 struct slave_pdos;     /* what 1400h..1BFFh say */
 
 /* A client's read or write that the owner is asked about. */
@@ -114,13 +186,16 @@ struct slave {
     uint32_t buffer_size; /* of an SDO server */
     struct hb_producer heartbeat;
     struct emcy_producer emcy;
-    uint8_t raised; /* bits of 1001h by slave_raise_error() */
-    unsigned lost;  /* watched nodes, and the guarding master, that are silent */
+    struct slave_errors errors;
     struct guard_slave guard;
+    bool told_guarding;               /* life guarding runs, as told */
     struct slave_consumer *consumers; /* the sub-indices 1.. of 1016h */
     unsigned consumer_count;
     bool consumers_due; /* a change found no room in the outbox */
     co_us_t consumer_deadline;
+    struct slave_hearing *heard; /* emergencies that are listened to */
+    unsigned heard_count, heard_room;
+    unsigned heard_dropped;   /* the outbox had no room */
     uint8_t load;             /* bit n: 1011:n "load" waits for the reset */
     bool application_changed; /* objects from 2000h on differ from the power-on values */
 
@@ -133,7 +208,6 @@ struct slave {
     struct time_stamp time;
     bool consumes_sync;
     co_us_t window_end;         /* of the last SYNC; CO_NEVER: up to the next one */
-    unsigned faults;            /* RPDOs, and SYNC, that are wrong: bit 4 of 1001h */
     unsigned listen_generation; /* counts what may have changed slave_listens() ... */
     unsigned sync_generation;   /* ... and what changes slave_sync_plan(), or makes it begin anew */
     unsigned late_verdicts;
@@ -164,13 +238,32 @@ void slave_on_time(struct slave *self, co_us_t now, struct co_outbox *out);
 co_us_t slave_deadline(const struct slave *self);
 
 /*
- * An error of the device: 1001h gets these bits (and the generic one), 1003h an entry, the network
- * an emergency. CO_ERR_AGAIN: the outbox has no room, nothing was done.
+ * An error of the application: 1001h gets these bits, 1003h an entry, the network an emergency with
+ * the field as it is. Bits 5..7 of its first two bytes are the application's part in what the
+ * device says itself: those of the first one count until slave_clear_error(), those of the second
+ * one until the next reset. CO_ERR_AGAIN: the outbox has no room, nothing was done.
  */
-enum co_err slave_raise_error(struct slave *self, const struct emcy_message *error, co_us_t now,
+enum co_err slave_raise_error(struct slave *self, const struct slave_error *error, co_us_t now,
                               struct co_outbox *out);
-/* The errors with these bits of 1001h have gone: emergency 0000h. CO_ERR_AGAIN as above. */
-enum co_err slave_clear_error(struct slave *self, uint8_t bits, co_us_t now, struct co_outbox *out);
+/*
+ * One of them has gone, with these bits of 1001h: emergency 0000h with this field, whose bits 5..7
+ * of the first byte are those that stay. With the last one all bits go. CO_ERR_STATE: there is
+ * none; CO_ERR_AGAIN as above.
+ */
+enum co_err slave_clear_error(struct slave *self, uint8_t bits, const uint8_t field[5], co_us_t now,
+                              struct co_outbox *out);
+
+/* Between boot-ups and before the first one it is remembered. */
+void slave_on_bus(struct slave *self, enum slave_bus bus, co_us_t now, struct co_outbox *out);
+/* Received frames did not reach the device. */
+void slave_on_frames_lost(struct slave *self, co_us_t now, struct co_outbox *out);
+/*
+ * So many received PDOs found no room on their way to the application: 8100h, each time.
+ * CO_ERR_AGAIN as above.
+ */
+enum co_err slave_lose_pdos(struct slave *self, unsigned count, co_us_t now, struct co_outbox *out);
+/* The application has taken all that are left. */
+enum co_err slave_pdos_taken(struct slave *self, co_us_t now, struct co_outbox *out);
 
 /* The client of SLAVE_VERDICT or SLAVE_FETCH still waits. */
 bool slave_waits_for(const struct slave *self, struct slave_transfer transfer);

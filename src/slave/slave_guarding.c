@@ -14,6 +14,38 @@ void slave_reset_guarding(struct slave *self)
     self->guard.state = self->state;
 }
 
+static bool is_running(const struct slave *self)
+{
+    return self->guard.deadline != CO_NEVER;
+}
+
+static void put_guarding_event(const struct slave *self, enum slave_watching what,
+                               struct co_outbox *out)
+{
+    const struct co_event event = { .type = SLAVE_GUARDING,
+                                    .node = self->node,
+                                    .detail = (uint8_t)what };
+
+    co_outbox_put_event(out, &event);
+}
+
+static void tell_running(struct slave *self, struct co_outbox *out)
+{
+    const bool running = is_running(self);
+
+    if (self->told_guarding == running || self->guard.lost || !co_outbox_room(out, 0, 1))
+        return;
+    self->told_guarding = running;
+    put_guarding_event(self, running ? WATCH_BEGINS : WATCH_ENDS, out);
+}
+
+static void lose_master(struct slave *self, co_us_t now, struct co_outbox *out)
+{
+    self->told_guarding = false;
+    put_guarding_event(self, WATCH_TIMEOUT, out);
+    slave_error_control_lost(self, now, out);
+}
+
 /* What the machine has put out; there is room for what it means to the device. */
 static void pass_on(struct slave *self, struct co_outbox *inner, co_us_t now, struct co_outbox *out)
 {
@@ -24,16 +56,17 @@ static void pass_on(struct slave *self, struct co_outbox *inner, co_us_t now, st
         co_outbox_put_frame(out, &frame);
     while (co_outbox_take_event(inner, &event))
         if (event.type == PROTO_LIFE_LOST)
-            slave_error_control_lost(self, now, out);
+            lose_master(self, now, out);
         else
             slave_error_control_back(self, now, out);
+    tell_running(self, out);
 }
 
 /* Steps the machine, with a frame or without; it has room where the device has room for more. */
 static void step(struct slave *self, const struct co_frame *request, co_us_t now,
                  struct co_outbox *out)
 {
-    const unsigned room = co_outbox_room(out, 2, 2) ? 1 : 0;
+    const unsigned room = co_outbox_room(out, 2, 3) ? 1 : 0;
     struct co_frame frames[1];
     struct co_event events[1];
     struct co_outbox inner;
@@ -57,8 +90,15 @@ void slave_answer_guarding(struct slave *self, const struct co_frame *request, c
 
 void slave_watch_guarding(struct slave *self, co_us_t now, struct co_outbox *out)
 {
-    if (guard_slave_deadline(&self->guard) <= now)
+    if (slave_guarding_deadline(self) <= now)
         step(self, NULL, now, out);
+}
+
+co_us_t slave_guarding_deadline(const struct slave *self)
+{
+    if (self->told_guarding != is_running(self) && !self->guard.lost)
+        return 0;
+    return guard_slave_deadline(&self->guard);
 }
 
 void slave_configure_guarding(struct slave *self, co_us_t now, struct co_outbox *out)

@@ -47,35 +47,62 @@ void slave_reset_objects(struct slave *self, bool application);
 /* What "load" has ordered, without waiting for the reset any longer. */
 void slave_execute_loads(struct slave *self);
 
-/* slave_errors.c: 1001h, 1003h, 1014h, 1015h, 1016h, 1029h. */
-enum co_err slave_make_consumers(struct slave *self);
-/* Error free, and all parameters anew. */
+/* slave_errors.c: the error state, 1001h, 1003h, 1014h, 1015h, 1029h. */
+/* Free of errors, and all parameters anew. */
 void slave_reset_errors(struct slave *self);
 void slave_configure_emcy(struct slave *self);
-void slave_configure_consumer(struct slave *self, uint8_t sub);
-void slave_consume_heartbeat(struct slave *self, const struct co_frame *frame, co_us_t now,
-                             struct co_outbox *out);
-void slave_watch_consumers(struct slave *self, co_us_t now, struct co_outbox *out);
+/* The NMT state and the bus let emergencies out; else they wait. */
+void slave_enable_emcy(struct slave *self);
+void slave_step_emcy(struct slave *self, co_us_t now, struct co_outbox *out);
+co_us_t slave_emcy_deadline(const struct slave *self);
 /* The master or a watched node is silent: emergency, and what 1029h says. Room: 2 events. */
 void slave_error_control_lost(struct slave *self, co_us_t now, struct co_outbox *out);
 void slave_error_control_back(struct slave *self, co_us_t now, struct co_outbox *out);
+/* What 1029h says. */
+void slave_apply_error_behaviour(struct slave *self, co_us_t now, struct co_outbox *out);
 /*
  * Something of the device's communication is wrong (instead: 'again', it was already, in another
- * way), or right again. Room: 1 event.
+ * way), or right again. The second byte of the field has the sticky bits of it. Room: 1 event.
  */
 void slave_raise_fault(struct slave *self, const struct emcy_message *error, bool again,
                        co_us_t now, struct co_outbox *out);
 void slave_clear_fault(struct slave *self, co_us_t now, struct co_outbox *out);
-/* The node that sub-index i+1 of 1016h watches; 0: none. */
-uint8_t slave_consumer_node(const struct slave *self, unsigned i);
+/* An emergency of the device itself for what has just changed. Room: 1 event. */
+void slave_announce(struct slave *self, const struct emcy_message *error, co_us_t now,
+                    struct co_outbox *out);
+void slave_update_error_register(struct slave *self);
 /* Errors that 1003h does not have are no data, which the dictionary cannot say. */
 bool slave_history_lacks(const struct slave *self, const struct co_frame *request);
+uint8_t slave_highest_sub(const struct od *od, uint16_t index, uint8_t limit);
+
+/* slave_bus.c: what the state of the bus means to it. */
+void slave_step_bus(struct slave *self, co_us_t now, struct co_outbox *out);
+co_us_t slave_bus_deadline(const struct slave *self);
+
+/* slave_heartbeat.c: 1016h. */
+enum co_err slave_make_consumers(struct slave *self);
+void slave_reset_consumers(struct slave *self);
+void slave_configure_consumer(struct slave *self, uint8_t sub);
+void slave_consume_heartbeat(struct slave *self, const struct co_frame *frame, co_us_t now,
+                             struct co_outbox *out);
+void slave_watch_consumers(struct slave *self, co_us_t now, struct co_outbox *out);
+/* The node that sub-index i+1 of 1016h watches; 0: none. */
+uint8_t slave_consumer_node(const struct slave *self, unsigned i);
+
+/* slave_emcy.c: 1028h. */
+enum co_err slave_make_hearing(struct slave *self);
+void slave_configure_hearing(struct slave *self);
+void slave_hear_emcy(struct slave *self, const struct co_frame *frame, co_us_t now,
+                     struct co_outbox *out);
+/* With COB_ID_EXT where it has 29 bits; i < heard_count. */
+uint32_t slave_heard_can_id(const struct slave *self, unsigned i);
 
 /* slave_guarding.c: 100Ch, 100Dh. The life time runs from the first request on. */
 void slave_reset_guarding(struct slave *self);
 void slave_answer_guarding(struct slave *self, const struct co_frame *request, co_us_t now,
                            struct co_outbox *out);
 void slave_watch_guarding(struct slave *self, co_us_t now, struct co_outbox *out);
+co_us_t slave_guarding_deadline(const struct slave *self);
 /*
  * A heartbeat of its own takes the place of guarding, and without a life time there is none to
  * watch: that ends life guarding at once. Another life time counts from the next request on. Room:
@@ -177,6 +204,8 @@ void slave_configure_time(struct slave *self);
 bool slave_hear_time(struct slave *self, const struct co_frame *frame, struct co_outbox *out);
 
 /* slave.c */
+/* Switched on and not initialising. */
+bool slave_is_on(const struct slave *self);
 void slave_enter_state(struct slave *self, enum nmt_state state, co_us_t now,
                        struct co_outbox *out);
 

@@ -521,6 +521,8 @@ unsigned slave_listens(const struct slave *self, struct slave_filter *ret_filter
     for (unsigned i = 0; i < self->consumer_count; i++)
         if (slave_consumer_node(self, i) != 0)
             add_filter(&list, NMT_ERROR_CONTROL_ID + slave_consumer_node(self, i), false);
+    for (unsigned i = 0; i < self->heard_count; i++)
+        add_filter(&list, slave_heard_can_id(self, i), false);
     list_pdos(self->pdos, &list);
     return list.count;
 }

@@ -17,30 +17,44 @@ co_us_t slave_heartbeat_period(const struct slave *self)
     return CO_MS(od_number(self->od, 0x1017, 0, 0));
 }
 
-void slave_take_over(struct slave *self, uint16_t index, uint8_t sub, co_us_t now,
-                     struct co_outbox *out)
+static bool is_error_control(uint16_t index)
 {
-    if (index >= FIRST_RPDO_OBJECT && index <= LAST_TPDO_OBJECT) {
-        slave_configure_pdo(self, index, sub, now, out);
-    } else if (slave_is_sync_object(index)) {
-        slave_configure_sync(self);
-    } else if (index == 0x1012) {
-        slave_configure_time(self);
-    } else if (index == 0x1014 || index == 0x1015) {
-        slave_configure_emcy(self);
-    } else if (index == 0x100C || index == 0x100D) {
-        slave_configure_guarding(self, now, out);
-    } else if (index == 0x1016) {
+    return index == 0x100C || index == 0x100D || index == 0x1016 || index == 0x1017;
+}
+
+static void take_over_error_control(struct slave *self, uint16_t index, uint8_t sub, co_us_t now,
+                                    struct co_outbox *out)
+{
+    if (index == 0x1016) {
         slave_configure_consumer(self, sub);
         slave_watch_consumers(self, now, out);
         self->listen_generation++;
-    } else if (slave_is_additional_server(index)) {
-        slave_configure_channel(self, index);
-    } else if (index == 0x1017) {
-        hb_producer_start(&self->heartbeat, slave_heartbeat_period(self), true, now);
-        slave_configure_guarding(self, now, out);
-        hb_producer_on_time(&self->heartbeat, now, out);
+        return;
     }
+    if (index == 0x1017)
+        hb_producer_start(&self->heartbeat, slave_heartbeat_period(self), true, now);
+    slave_configure_guarding(self, now, out);
+    if (index == 0x1017)
+        hb_producer_on_time(&self->heartbeat, now, out);
+}
+
+void slave_take_over(struct slave *self, uint16_t index, uint8_t sub, co_us_t now,
+                     struct co_outbox *out)
+{
+    if (index >= FIRST_RPDO_OBJECT && index <= LAST_TPDO_OBJECT)
+        slave_configure_pdo(self, index, sub, now, out);
+    else if (slave_is_sync_object(index))
+        slave_configure_sync(self);
+    else if (index == 0x1012)
+        slave_configure_time(self);
+    else if (index == 0x1014 || index == 0x1015)
+        slave_configure_emcy(self);
+    else if (index == 0x1028)
+        slave_configure_hearing(self);
+    else if (slave_is_additional_server(index))
+        slave_configure_channel(self, index);
+    else if (is_error_control(index))
+        take_over_error_control(self, index, sub, now, out);
 }
 
 /* The value in the server's buffer. */

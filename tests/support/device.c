@@ -167,7 +167,34 @@ static bool describe_service(const struct co_event *event, char *text, size_t si
         snprintf(text, size, "no verdict on %04X:%02X", event->index, event->sub);
         break;
     case PROTO_HB_STATE: snprintf(text, size, "heard %u: %u", event->node, event->detail); break;
-    case PROTO_HB_LOST: snprintf(text, size, "lost %u: %u", event->node, event->detail); break;
+    default: return false;
+    }
+    return true;
+}
+
+static const char *const watching[] = { [WATCH_BEGINS] = "begins",
+                                        [WATCH_ENDS] = "ends",
+                                        [WATCH_BOOT_UP] = "boots",
+                                        [WATCH_TIMEOUT] = "lost" };
+
+static bool describe_supervision(const struct co_event *event, char *text, size_t size)
+{
+    char data[20];
+
+    switch (event->type) {
+    case SLAVE_WATCH:
+        if (event->detail == WATCH_TIMEOUT)
+            snprintf(text, size, "lost %u: %u", event->node, event->sub);
+        else
+            snprintf(text, size, "watch %u %s", event->node, watching[event->detail]);
+        break;
+    case SLAVE_GUARDING: snprintf(text, size, "guarding %s", watching[event->detail]); break;
+    case SLAVE_EMCY_HEARD:
+        hex_format(event->data, 8, data, sizeof data);
+        snprintf(text, size, "1028:%02X hears %X, node %u: %s", event->index, event->code,
+                 event->detail, data);
+        break;
+    case SLAVE_EMCY_LOST: snprintf(text, size, "emcy lost %u", (unsigned)event->actual); break;
     default: return false;
     }
     return true;
@@ -207,7 +234,8 @@ const char *device_next_event(struct device *self)
     if (self->event_taken == self->event_count)
         return "";
     event = &self->events[self->event_taken++];
-    if (!describe_service(event, text, sizeof text) && !describe_pdo(event, text, sizeof text))
+    if (!describe_service(event, text, sizeof text) && !describe_pdo(event, text, sizeof text) &&
+        !describe_supervision(event, text, sizeof text))
         snprintf(text, sizeof text, "event %u", event->type);
     return text;
 }
@@ -336,13 +364,56 @@ static bool answer_client(struct device *self, const char *text)
     return true;
 }
 
+static enum slave_bus bus_of(const char *name)
+{
+    if (strcmp(name, "passive") == 0)
+        return SLAVE_BUS_PASSIVE;
+    return strcmp(name, "lost") == 0 ? SLAVE_BUS_LOST : SLAVE_BUS_OK;
+}
+
+/* What is about errors; false: nothing of that. */
+static bool do_errors(struct device *self, const char *text, enum co_err *ret_err)
+{
+    struct slave *slave = &self->slave;
+    struct co_outbox *out = &self->out;
+    struct slave_error error = { .field = { 0 } };
+    unsigned a = 0, b = 0, c = 0, first = 0, second = 0;
+    char name[8];
+
+    *ret_err = CO_OK;
+    if (sscanf(text, "raise %x %x %x %2x%2x", &a, &b, &c, &first, &second) == 5) {
+        error = (struct slave_error){
+            (uint16_t)a, (uint16_t)b, (uint8_t)c, { (uint8_t)first, (uint8_t)second, 3, 4, 5 }
+        };
+        *ret_err = slave_raise_error(slave, &error, self->now, out);
+    } else if (sscanf(text, "clear %x %2x%2x", &a, &first, &second) == 3) {
+        error.field[0] = (uint8_t)first;
+        error.field[1] = (uint8_t)second;
+        *ret_err = slave_clear_error(slave, (uint8_t)a, error.field, self->now, out);
+    } else if (sscanf(text, "bus %7s", name) == 1) {
+        slave_on_bus(slave, bus_of(name), self->now, out);
+    } else if (sscanf(text, "lose %u", &a) == 1) {
+        *ret_err = slave_lose_pdos(slave, a, self->now, out);
+    } else if (strncmp(text, "taken", 5) == 0) {
+        *ret_err = slave_pdos_taken(slave, self->now, out);
+    } else if (strncmp(text, "overrun", 7) == 0) {
+        slave_on_frames_lost(slave, self->now, out);
+    } else {
+        return false;
+    }
+    return true;
+}
+
 /* CO_OK for what returns nothing. */
 static enum co_err do_call(struct device *self, const char *text)
 {
     struct slave *slave = &self->slave;
     struct co_outbox *out = &self->out;
     unsigned a = 0, b = 0, c = 0;
+    enum co_err err;
 
+    if (do_errors(self, text, &err))
+        return err;
     if (sscanf(text, "send %u", &a) == 1)
         return slave_pdo_send(slave, (uint16_t)a, self->now, out);
     if (sscanf(text, "request %u", &a) == 1)

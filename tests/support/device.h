@@ -64,8 +64,9 @@ uint32_t device_value(struct device *self, uint16_t index, uint8_t sub);
 /*
  * "send N", "set INDEX:SUB VALUE", "answer N ASK", "hold", "release", "request N", "flags rN|tN
  * F", "verdict N CODE [at CHANNEL]", "give N HEXSIZE [at CHANNEL]", "refuse N CODE [at
- * CHANNEL]", "watch INDEX:SUB", "time MS DAYS"; with " -> E" behind it: enum co_err that is to
- * be returned, as a number.
+ * CHANNEL]", "watch INDEX:SUB", "time MS DAYS", "raise CODE INFO BITS F0F1" (the field goes on with
+ * 030405), "clear BITS F0F1", "bus ok|passive|lost", "overrun", "lose N", "taken"; with " -> E"
+ * behind it: enum co_err that is to be returned, as a number.
  */
 void device_do(struct device *self, const char *text);
 

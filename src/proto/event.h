@@ -12,6 +12,7 @@ enum proto_event {
      *   detail             enum sdo_outcome
      *   code               abort code, ours or the server's; 0: it went well, or nothing was sent
      *   actual             bytes transferred; for SDO_OUTCOME_OVERFLOW bytes needed, 0 unknown
+     *   expected           1: asked for blocks, the server has shown that it has none
      */
     PROTO_SDO_DONE,
     /*

@@ -2,11 +2,12 @@
 
 #include "base/bytes.h"
 #include "proto/event.h"
+#include "proto/sdo_client_internal.h"
 
 #include <assert.h>
 #include <string.h>
 
-#define SIZE_UNKNOWN UINT32_MAX
+#define ABORT 0x80u /* byte 0 */
 
 /* Bits 7..5 of byte 0 in the server's answers. */
 enum answer {
@@ -14,7 +15,9 @@ enum answer {
     ANSWER_DOWNLOAD_SEGMENT = 1,
     ANSWER_UPLOAD = 2,
     ANSWER_DOWNLOAD = 3,
-    ANSWER_ABORT = 4
+    ANSWER_ABORT = 4,
+    ANSWER_BLOCK_DOWNLOAD = 5,
+    ANSWER_BLOCK_UPLOAD = 6
 };
 
 void sdo_client_init(struct sdo_client *self, uint8_t node)
@@ -27,89 +30,105 @@ bool sdo_client_busy(const struct sdo_client *self)
     return self->state != SDO_CLIENT_IDLE;
 }
 
-static struct co_frame new_frame(const struct sdo_client *self, unsigned command)
+static void put_frame(const struct sdo_client *self, const uint8_t data[8], struct co_outbox *out)
 {
     struct co_frame frame = co_frame_make(SDO_REQUEST_ID + self->node, 8);
 
-    frame.data[0] = (uint8_t)command;
-    return frame;
+    memcpy(frame.data, data, sizeof frame.data);
+    co_outbox_put_frame(out, &frame);
 }
 
-static struct co_frame object_frame(const struct sdo_client *self, unsigned command)
+static void make_object(const struct sdo_client *self, unsigned command, uint8_t ret_data[8])
 {
-    struct co_frame frame = new_frame(self, command);
-
-    put_le16(frame.data + 1, self->transfer.index);
-    frame.data[3] = self->transfer.sub;
-    return frame;
+    memset(ret_data, 0, 8);
+    ret_data[0] = (uint8_t)command;
+    put_le16(ret_data + 1, self->transfer.index);
+    ret_data[3] = self->transfer.sub;
 }
 
-static struct co_frame initiate_frame(const struct sdo_client *self)
+static void make_download(const struct sdo_client *self, uint8_t ret_data[8])
 {
     const struct sdo_transfer *transfer = &self->transfer;
-    struct co_frame frame;
 
-    if (!transfer->download)
-        return object_frame(self, 0x40);
     if (transfer->size >= 1 && transfer->size <= 4) {
-        frame = object_frame(self, transfer->hide_size ? 0x22 : 0x23 | (4 - transfer->size) << 2);
-        memcpy(frame.data + 4, transfer->source, transfer->size);
-        return frame;
-    }
-    frame = object_frame(self, transfer->indicate_size ? 0x21 : 0x20);
-    if (transfer->indicate_size)
-        put_le32(frame.data + 4, transfer->size);
-    return frame;
-}
-
-static struct co_frame segment_frame(const struct sdo_client *self)
-{
-    const unsigned toggle = self->toggle ? 0x10 : 0;
-    unsigned last;
-    struct co_frame frame;
-
-    if (!self->transfer.download)
-        return new_frame(self, 0x60 | toggle);
-    last = self->position + self->last_size == self->transfer.size;
-    frame = new_frame(self, toggle | (7u - self->last_size) << 1 | last);
-    if (self->last_size > 0)
-        memcpy(frame.data + 1, self->transfer.source + self->position, self->last_size);
-    return frame;
-}
-
-/* What was, or is to be, sent last: always the same frame until its answer has come. */
-static struct co_frame request_frame(const struct sdo_client *self)
-{
-    return self->state == SDO_CLIENT_INITIATE ? initiate_frame(self) : segment_frame(self);
-}
-
-static void send_unsent(struct sdo_client *self, struct co_outbox *out)
-{
-    struct co_frame frame;
-
-    if (!self->unsent || !co_outbox_room(out, 1, 0))
+        make_object(self, transfer->hide_size ? 0x22 : 0x23 | (4 - transfer->size) << 2, ret_data);
+        memcpy(ret_data + 4, transfer->source, transfer->size);
         return;
-    frame = request_frame(self);
-    co_outbox_put_frame(out, &frame);
-    self->unsent = false;
+    }
+    make_object(self, transfer->indicate_size ? 0x21 : 0x20, ret_data);
+    if (transfer->indicate_size)
+        put_le32(ret_data + 4, transfer->size);
 }
 
-static void request(struct sdo_client *self, co_us_t now, struct co_outbox *out)
+static void make_initiate(const struct sdo_client *self, uint8_t ret_data[8])
+{
+    if (self->in_blocks)
+        sdo_client_make_block_initiate(self, ret_data);
+    else if (self->transfer.download)
+        make_download(self, ret_data);
+    else
+        make_object(self, 0x40, ret_data);
+}
+
+void sdo_client_begin_request(struct sdo_client *self, co_us_t now)
 {
     self->unsent = true;
     self->on_wire = false;
     self->deadline = now + SDO_SEND_TIMEOUT;
     self->send_limit = now + SDO_SEND_LIMIT;
-    send_unsent(self, out);
+}
+
+static void send_unsent(struct sdo_client *self, co_us_t now, struct co_outbox *out)
+{
+    if (!self->unsent || !co_outbox_room(out, 1, 0))
+        return;
+    if (self->state == SDO_CLIENT_BLOCK_DOWN) {
+        sdo_client_send_segments(self, now, out);
+        return;
+    }
+    put_frame(self, self->request, out);
+    self->unsent = false;
+}
+
+void sdo_client_request(struct sdo_client *self, co_us_t now, struct co_outbox *out)
+{
+    sdo_client_begin_request(self, now);
+    send_unsent(self, now, out);
+}
+
+static void request_initiate(struct sdo_client *self, co_us_t now, struct co_outbox *out)
+{
+    make_initiate(self, self->request);
+    sdo_client_request(self, now, out);
+}
+
+static void make_download_segment(struct sdo_client *self, uint8_t ret_data[8])
+{
+    const uint32_t rest = self->transfer.size - self->position;
+    const uint32_t size = rest < SDO_SEGMENT_SIZE ? rest : SDO_SEGMENT_SIZE;
+
+    ret_data[0] |= (uint8_t)((SDO_SEGMENT_SIZE - size) << 1 | (size == rest));
+    if (size > 0)
+        memcpy(ret_data + 1, self->transfer.source + self->position, size);
+    self->last_size = (uint8_t)size;
 }
 
 static void request_segment(struct sdo_client *self, co_us_t now, struct co_outbox *out)
 {
-    uint32_t rest = self->transfer.size - self->position;
-
+    memset(self->request, 0, sizeof self->request);
+    self->request[0] = self->toggle ? 0x10 : 0;
     if (self->transfer.download)
-        self->last_size = (uint8_t)(rest < 7 ? rest : 7);
-    request(self, now, out);
+        make_download_segment(self, self->request);
+    else
+        self->request[0] |= 0x60;
+    sdo_client_request(self, now, out);
+}
+
+/* The server has shown in this transfer that it has no blocks. */
+static bool has_no_blocks(const struct sdo_client *self)
+{
+    return self->refusal == SDO_COMMAND ||
+           (self->refusal != SDO_OK && self->outcome == SDO_OUTCOME_OK);
 }
 
 static void tell_end(struct sdo_client *self, struct co_outbox *out)
@@ -120,24 +139,25 @@ static void tell_end(struct sdo_client *self, struct co_outbox *out)
                                     .index = self->transfer.index,
                                     .sub = self->transfer.sub,
                                     .code = self->code,
+                                    .expected = has_no_blocks(self),
                                     .actual = self->actual };
-    struct co_frame frame;
+    uint8_t data[8] = { self->farewell };
 
-    if (!co_outbox_room(out, self->tell_server ? 1 : 0, 1))
+    if (!co_outbox_room(out, self->farewell ? 1 : 0, 1))
         return;
-    if (self->tell_server) {
-        frame = object_frame(self, 0x80);
-        put_le32(frame.data + 4, self->code);
-        co_outbox_put_frame(out, &frame);
+    if (self->farewell == ABORT) {
+        make_object(self, ABORT, data);
+        put_le32(data + 4, self->code);
     }
+    if (self->farewell)
+        put_frame(self, data, out);
     co_outbox_put_event(out, &event);
     self->state = SDO_CLIENT_IDLE;
     self->deadline = CO_NEVER;
 }
 
-/* The only way out of a transfer. */
-static void finish(struct sdo_client *self, enum sdo_outcome outcome, sdo_abort_t code,
-                   struct co_outbox *out)
+void sdo_client_finish(struct sdo_client *self, enum sdo_outcome outcome, sdo_abort_t code,
+                       struct co_outbox *out)
 {
     if (outcome != SDO_OUTCOME_OVERFLOW)
         self->actual = self->position;
@@ -148,22 +168,23 @@ static void finish(struct sdo_client *self, enum sdo_outcome outcome, sdo_abort_
     tell_end(self, out);
 }
 
-static void finish_and_tell(struct sdo_client *self, enum sdo_outcome outcome, sdo_abort_t code,
-                            struct co_outbox *out)
+void sdo_client_finish_and_tell(struct sdo_client *self, enum sdo_outcome outcome, sdo_abort_t code,
+                                struct co_outbox *out)
 {
-    self->tell_server = true;
-    finish(self, outcome, code, out);
+    self->owes_segment |= self->state == SDO_CLIENT_BLOCK_UP;
+    self->farewell = ABORT;
+    sdo_client_finish(self, outcome, code, out);
 }
 
-static void finish_overflow(struct sdo_client *self, uint32_t needed, struct co_outbox *out)
+void sdo_client_finish_overflow(struct sdo_client *self, uint32_t needed, struct co_outbox *out)
 {
-    self->actual = needed == SIZE_UNKNOWN ? 0 : needed;
-    finish_and_tell(self, SDO_OUTCOME_OVERFLOW, SDO_NO_MEMORY, out);
+    self->actual = needed == SDO_SIZE_UNKNOWN ? 0 : needed;
+    sdo_client_finish_and_tell(self, SDO_OUTCOME_OVERFLOW, SDO_NO_MEMORY, out);
 }
 
-static void finish_unexpected(struct sdo_client *self, struct co_outbox *out)
+void sdo_client_finish_unexpected(struct sdo_client *self, struct co_outbox *out)
 {
-    finish_and_tell(self, SDO_OUTCOME_PROTOCOL, SDO_COMMAND, out);
+    sdo_client_finish_and_tell(self, SDO_OUTCOME_PROTOCOL, SDO_COMMAND, out);
 }
 
 void sdo_client_start(struct sdo_client *self, const struct sdo_transfer *transfer, co_us_t now,
@@ -172,11 +193,13 @@ void sdo_client_start(struct sdo_client *self, const struct sdo_transfer *transf
     assert(self->state == SDO_CLIENT_IDLE);
     self->transfer = *transfer;
     self->state = SDO_CLIENT_INITIATE;
+    self->in_blocks = transfer->block > 0;
+    self->refusal = SDO_OK;
     self->toggle = false;
-    self->tell_server = false;
+    self->farewell = 0;
     self->position = 0;
-    self->announced = SIZE_UNKNOWN;
-    request(self, now, out);
+    self->announced = SDO_SIZE_UNKNOWN;
+    request_initiate(self, now, out);
 }
 
 bool sdo_client_cancel(struct sdo_client *self, sdo_abort_t code, struct co_outbox *out)
@@ -187,9 +210,9 @@ bool sdo_client_cancel(struct sdo_client *self, sdo_abort_t code, struct co_outb
         tell_end(self, out);
         return true;
     }
-    self->tell_server = self->state == SDO_CLIENT_SEGMENT;
-    self->owes_segment |= self->state == SDO_CLIENT_SEGMENT;
-    finish(self, SDO_OUTCOME_CANCELLED, code, out);
+    self->farewell = self->state == SDO_CLIENT_INITIATE ? 0 : ABORT;
+    self->owes_segment |= self->state != SDO_CLIENT_INITIATE;
+    sdo_client_finish(self, SDO_OUTCOME_CANCELLED, code, out);
     return true;
 }
 
@@ -212,7 +235,7 @@ static void on_download(struct sdo_client *self, co_us_t now, struct co_outbox *
         return;
     }
     self->position = self->transfer.size;
-    finish(self, SDO_OUTCOME_OK, SDO_OK, out);
+    sdo_client_finish(self, SDO_OUTCOME_OK, SDO_OK, out);
 }
 
 static void on_expedited(struct sdo_client *self, const struct co_frame *frame,
@@ -228,13 +251,13 @@ static void on_expedited(struct sdo_client *self, const struct co_frame *frame,
         return;
     }
     if (size > self->transfer.size) {
-        finish_overflow(self, size, out);
+        sdo_client_finish_overflow(self, size, out);
         return;
     }
     if (size > 0)
         memcpy(self->transfer.buffer, frame->data + 4, size);
     self->position = size;
-    finish(self, SDO_OUTCOME_OK, SDO_OK, out);
+    sdo_client_finish(self, SDO_OUTCOME_OK, SDO_OK, out);
 }
 
 static void on_upload(struct sdo_client *self, const struct co_frame *frame, co_us_t now,
@@ -253,7 +276,7 @@ static void on_upload(struct sdo_client *self, const struct co_frame *frame, co_
     if (size_known)
         self->announced = get_le32(frame->data + 4);
     if (size_known && self->announced > self->transfer.size)
-        finish_overflow(self, self->announced, out);
+        sdo_client_finish_overflow(self, self->announced, out);
     else
         enter_segments(self, now, out);
 }
@@ -264,22 +287,45 @@ static bool is_same_object(const struct sdo_client *self, const struct co_frame 
            frame->data[3] == self->transfer.sub;
 }
 
+/* Answers to initiates do, and aborts; those within a transfer do not. */
+static bool names_object(uint8_t command)
+{
+    switch (command >> 5) {
+    case ANSWER_UPLOAD_SEGMENT:
+    case ANSWER_DOWNLOAD_SEGMENT: return false;
+    case ANSWER_BLOCK_DOWNLOAD: return (command & 0x03) == 0;
+    case ANSWER_BLOCK_UPLOAD: return (command & 0x01) == 0;
+    default: return true;
+    }
+}
+
+static unsigned wanted_answer(const struct sdo_client *self)
+{
+    if (self->in_blocks)
+        return self->transfer.download ? ANSWER_BLOCK_DOWNLOAD : ANSWER_BLOCK_UPLOAD;
+    return self->transfer.download ? ANSWER_DOWNLOAD : ANSWER_UPLOAD;
+}
+
 static void on_initiate_answer(struct sdo_client *self, const struct co_frame *frame, co_us_t now,
                                struct co_outbox *out)
 {
     const unsigned answer = frame->data[0] >> 5;
 
-    if (answer <= ANSWER_DOWNLOAD_SEGMENT ? self->owes_segment : !is_same_object(self, frame)) {
+    if (names_object(frame->data[0]) ? !is_same_object(self, frame) : self->owes_segment) {
         self->late++;
         return;
     }
     self->owes_segment = false;
-    if (answer == ANSWER_DOWNLOAD && self->transfer.download)
-        on_download(self, now, out);
-    else if (answer == ANSWER_UPLOAD && !self->transfer.download)
+    if (answer == ANSWER_UPLOAD && !self->transfer.download) /* in blocks, too, for few bytes */
         on_upload(self, frame, now, out);
+    else if (answer != wanted_answer(self))
+        sdo_client_finish_unexpected(self, out);
+    else if (answer == ANSWER_DOWNLOAD)
+        on_download(self, now, out);
+    else if (answer == ANSWER_BLOCK_DOWNLOAD)
+        sdo_client_on_block_download(self, frame, now, out);
     else
-        finish_unexpected(self, out);
+        sdo_client_on_block_upload(self, frame, now, out);
 }
 
 static bool is_toggle_right(const struct sdo_client *self, const struct co_frame *frame)
@@ -298,21 +344,21 @@ static void on_upload_segment(struct sdo_client *self, const struct co_frame *fr
         return;
     }
     if (size > self->transfer.size - self->position) {
-        finish_overflow(self, self->announced, out);
+        sdo_client_finish_overflow(self, self->announced, out);
         return;
     }
     if (size == 0 && !last) { /* a server could go on like this for ever */
-        finish_unexpected(self, out);
+        sdo_client_finish_unexpected(self, out);
         return;
     }
     if (size > 0)
         memcpy(self->transfer.buffer + self->position, frame->data + 1, size);
     self->position += size;
     if (self->position > self->announced ||
-        (last && self->announced != SIZE_UNKNOWN && self->position != self->announced))
-        finish_and_tell(self, SDO_OUTCOME_PROTOCOL, SDO_TYPE_LENGTH, out);
+        (last && self->announced != SDO_SIZE_UNKNOWN && self->position != self->announced))
+        sdo_client_finish_and_tell(self, SDO_OUTCOME_PROTOCOL, SDO_TYPE_LENGTH, out);
     else if (last)
-        finish(self, SDO_OUTCOME_OK, SDO_OK, out);
+        sdo_client_finish(self, SDO_OUTCOME_OK, SDO_OK, out);
     else
         next_segment(self, now, out);
 }
@@ -321,7 +367,7 @@ static void on_download_segment(struct sdo_client *self, co_us_t now, struct co_
 {
     self->position += self->last_size;
     if (self->position == self->transfer.size)
-        finish(self, SDO_OUTCOME_OK, SDO_OK, out);
+        sdo_client_finish(self, SDO_OUTCOME_OK, SDO_OK, out);
     else
         next_segment(self, now, out);
 }
@@ -336,18 +382,27 @@ static void on_segment_answer(struct sdo_client *self, const struct co_frame *fr
     if (answer > ANSWER_DOWNLOAD_SEGMENT && !is_same_object(self, frame))
         self->late++;
     else if (answer != wanted)
-        finish_unexpected(self, out);
+        sdo_client_finish_unexpected(self, out);
     else if (!is_toggle_right(self, frame))
-        finish_and_tell(self, SDO_OUTCOME_TOGGLE, SDO_TOGGLE, out);
+        sdo_client_finish_and_tell(self, SDO_OUTCOME_TOGGLE, SDO_TOGGLE, out);
     else if (self->transfer.download)
         on_download_segment(self, now, out);
     else
         on_upload_segment(self, frame, now, out);
 }
 
-static void on_abort(struct sdo_client *self, const struct co_frame *frame, struct co_outbox *out)
+/* Reasons that may have to do with blocks: without them the server gives one that has not. */
+static bool may_refuse_blocks(sdo_abort_t code)
+{
+    return code == SDO_COMMAND || code == SDO_BLOCK_SIZE || code == SDO_ACCESS ||
+           code == SDO_GENERAL;
+}
+
+static void on_abort(struct sdo_client *self, const struct co_frame *frame, co_us_t now,
+                     struct co_outbox *out)
 {
     static const uint8_t no_object[3] = { 0 };
+    sdo_abort_t code;
 
     if (frame->dlc < 8 ||
         (!is_same_object(self, frame) && memcmp(frame->data + 1, no_object, 3) != 0)) {
@@ -355,49 +410,75 @@ static void on_abort(struct sdo_client *self, const struct co_frame *frame, stru
         return;
     }
     self->owes_segment = false;
-    finish(self, SDO_OUTCOME_ABORTED, get_le32(frame->data + 4), out);
+    code = get_le32(frame->data + 4);
+    if (self->state == SDO_CLIENT_INITIATE && self->in_blocks && may_refuse_blocks(code)) {
+        self->in_blocks = false;
+        self->refusal = code;
+        request_initiate(self, now, out);
+        return;
+    }
+    sdo_client_finish(self, SDO_OUTCOME_ABORTED, code, out);
+}
+
+/* A segment of a block may look like an abort but for its number. */
+static bool is_abort(const struct sdo_client *self, const struct co_frame *frame)
+{
+    if (self->state == SDO_CLIENT_BLOCK_UP || self->owes_segment)
+        return frame->data[0] == ABORT;
+    return frame->data[0] >> 5 == ANSWER_ABORT;
+}
+
+/* What was asked for the server cannot have got, or nothing was. */
+static bool is_no_answer(const struct sdo_client *self, const struct co_frame *frame)
+{
+    if (frame->dlc == 0 || self->state == SDO_CLIENT_IDLE || self->state == SDO_CLIENT_END)
+        return true;
+    return self->unsent && self->state != SDO_CLIENT_BLOCK_DOWN && !is_abort(self, frame);
 }
 
 static void on_answer(struct sdo_client *self, const struct co_frame *frame, co_us_t now,
                       struct co_outbox *out)
 {
-    if (frame->dlc == 0) {
+    if (is_no_answer(self, frame))
         self->late++;
-        return;
-    }
-    switch ((enum sdo_client_state)self->state) {
-    case SDO_CLIENT_IDLE:
-    case SDO_CLIENT_END: self->late++; return;
-    case SDO_CLIENT_INITIATE:
-    case SDO_CLIENT_SEGMENT: break;
-    }
-    if (frame->data[0] >> 5 == ANSWER_ABORT)
-        on_abort(self, frame, out);
-    else if (self->unsent)
-        self->late++; /* no answer to what the server cannot have got */
+    else if (is_abort(self, frame))
+        on_abort(self, frame, now, out);
     else if (self->state == SDO_CLIENT_INITIATE)
         on_initiate_answer(self, frame, now, out);
-    else
+    else if (self->state == SDO_CLIENT_SEGMENT)
         on_segment_answer(self, frame, now, out);
+    else
+        sdo_client_on_block_answer(self, frame, now, out);
 }
 
-static bool is_awaiting_wire(const struct sdo_client *self)
+/* A transfer runs, and its last request has not been confirmed. */
+static bool is_unconfirmed(const struct sdo_client *self)
 {
-    return (self->state == SDO_CLIENT_INITIATE || self->state == SDO_CLIENT_SEGMENT) &&
-           !self->unsent && !self->on_wire;
+    return self->state != SDO_CLIENT_IDLE && self->state != SDO_CLIENT_END && !self->on_wire;
+}
+
+bool sdo_client_awaits_wire(const struct sdo_client *self)
+{
+    return is_unconfirmed(self) && !self->unsent;
 }
 
 static void on_own(struct sdo_client *self, const struct co_frame *frame, co_us_t now)
 {
-    struct co_frame sent;
-
-    if (!is_awaiting_wire(self))
-        return;
-    sent = request_frame(self);
-    if (!co_frame_equal(frame, &sent))
+    if (!sdo_client_awaits_wire(self) || frame->dlc != sizeof self->request ||
+        memcmp(frame->data, self->request, sizeof self->request) != 0)
         return; /* the abort of the transfer before, for example */
     self->on_wire = true;
     self->deadline = now + self->transfer.timeout;
+}
+
+void sdo_client_on_handed_over(struct sdo_client *self, co_us_t now)
+{
+    const unsigned segments = self->state == SDO_CLIENT_BLOCK_DOWN ? self->sender.sent : 0;
+
+    if (!sdo_client_awaits_wire(self))
+        return;
+    self->on_wire = true;
+    self->deadline = now + self->transfer.timeout + segments * SDO_SEGMENT_TIME;
 }
 
 void sdo_client_on_frame(struct sdo_client *self, const struct co_frame *frame, co_us_t now,
@@ -413,27 +494,33 @@ void sdo_client_on_frame(struct sdo_client *self, const struct co_frame *frame, 
 
 void sdo_client_on_progress(struct sdo_client *self, co_us_t now)
 {
-    if ((self->state == SDO_CLIENT_INITIATE || self->state == SDO_CLIENT_SEGMENT) && !self->on_wire)
+    if (is_unconfirmed(self))
         self->deadline = co_earlier(now + SDO_SEND_TIMEOUT, self->send_limit);
+}
+
+static void on_deadline(struct sdo_client *self, co_us_t now, struct co_outbox *out)
+{
+    if (self->state == SDO_CLIENT_BLOCK_UP && self->receiver.heard) {
+        sdo_client_end_sub_block(self, now, out);
+        return;
+    }
+    self->owes_segment |= self->state != SDO_CLIENT_INITIATE;
+    if (self->on_wire)
+        sdo_client_finish_and_tell(self, SDO_OUTCOME_NO_ANSWER, SDO_TIMEOUT, out);
+    else
+        sdo_client_finish(self, SDO_OUTCOME_NOT_SENT, SDO_OK, out);
 }
 
 void sdo_client_on_time(struct sdo_client *self, co_us_t now, struct co_outbox *out)
 {
-    switch ((enum sdo_client_state)self->state) {
-    case SDO_CLIENT_IDLE: return;
-    case SDO_CLIENT_END: tell_end(self, out); return;
-    case SDO_CLIENT_INITIATE:
-    case SDO_CLIENT_SEGMENT: break;
-    }
-    if (now < self->deadline) {
-        send_unsent(self, out);
+    if (self->state == SDO_CLIENT_IDLE)
         return;
-    }
-    self->owes_segment |= self->state == SDO_CLIENT_SEGMENT;
-    if (self->on_wire)
-        finish_and_tell(self, SDO_OUTCOME_NO_ANSWER, SDO_TIMEOUT, out);
+    if (self->state == SDO_CLIENT_END)
+        tell_end(self, out);
+    else if (now >= self->deadline)
+        on_deadline(self, now, out);
     else
-        finish(self, SDO_OUTCOME_NOT_SENT, SDO_OK, out);
+        send_unsent(self, now, out);
 }
 
 co_us_t sdo_client_deadline(const struct sdo_client *self)

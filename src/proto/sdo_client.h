@@ -1,16 +1,24 @@
 /*
- * SDO client: one transfer at a time with one server (CiA 301, 7.2.4), expedited and segmented.
+ * SDO client: one transfer at a time with one server (CiA 301, 7.2.4).
  *
  *   in   a request, the server's answers, the own frames as transmit confirmation, the time
  *   out  request frames; PROTO_SDO_DONE, exactly once for each started transfer
  *
- *            start             answer
- *   IDLE ----------> INITIATE --------> [SEGMENT ... SEGMENT] --> [END] --> IDLE, PROTO_SDO_DONE
+ *         start             answer
+ *   IDLE -------> INITIATE --------> [SEGMENT ... SEGMENT] --------> [END] --> IDLE, PROTO_SDO_DONE
+ *                                \-> BLOCK_DOWN -> BLOCK_DOWN_END -/
+ *                                \-> BLOCK_UP -> BLOCK_UP_END -----/
  *
  * The time-out is the server's silence: it runs from the moment the request is on the wire (its own
  * frame comes back, CO_FRAME_OWN) and starts anew with each request. A request that does not get on
- * the wire has a time limit of its own; an answer shows as well that it did. After a time-out the
- * server is told (05040000h).
+ * the wire has a time limit of its own; an answer shows as well that it did. An owner who does not
+ * get its frames back tells instead when they are with the bus (sdo_client_on_handed_over()). Of a
+ * sub-block it is the last segment whose way counts. After a time-out the server is told
+ * (05040000h).
+ *
+ * A transfer in blocks that the server refuses at once, for a reason that may be the blocks, goes
+ * on without them. In a block upload it is the client who ends a sub-block: with its last segment,
+ * or when the server has been silent for half the time-out.
  *
  * Late answers are ignored and counted: those for another object, those to an idle client, and
  * segments that the server still owes to the transfer before. An abort counts as the server's when
@@ -18,6 +26,8 @@
  *
  *   owner    the manager: one client for each remote node
  *   locking  none; the owner's
+ *
+ * The segments of a block download fill what room there is in the outbox, as those of a server.
  */
 #ifndef CO_PROTO_SDO_CLIENT_H
 #define CO_PROTO_SDO_CLIENT_H
@@ -44,13 +54,20 @@ enum sdo_client_state {
     SDO_CLIENT_IDLE,
     SDO_CLIENT_INITIATE,
     SDO_CLIENT_SEGMENT,
+    SDO_CLIENT_BLOCK_DOWN, /* segments, and the server's A2 */
+    SDO_CLIENT_BLOCK_DOWN_END,
+    SDO_CLIENT_BLOCK_UP, /* segments, answered by A2 */
+    SDO_CLIENT_BLOCK_UP_END,
     SDO_CLIENT_END /* over; abort frame or event found no room in the outbox yet */
 };
 
 struct sdo_transfer {
     bool download;      /* to the server */
     bool indicate_size; /* segmented download: tell the size in advance */
-    bool hide_size;     /* expedited download: leave the size out */
+    bool hide_size;     /* expedited download, or in blocks: leave the size out */
+    /* In blocks: segments in one, 1..SDO_BLOCK_MAX, of an upload; of a download the server says how
+     * many. 0: not in blocks. */
+    uint8_t block;
     uint16_t index;
     uint8_t sub;
     const uint8_t *source; /* download: what to write */
@@ -61,12 +78,19 @@ struct sdo_transfer {
 
 struct sdo_client {
     uint8_t node;
-    uint8_t state;     /* enum sdo_client_state */
-    bool unsent;       /* a request is due that found no room in the outbox */
-    bool on_wire;      /* the last request was confirmed; the time-out runs */
-    bool toggle;       /* bit of the segment asked for, or sent, last */
-    bool owes_segment; /* the transfer before ended without the answer to its last segment */
+    uint8_t state;       /* enum sdo_client_state */
+    bool unsent;         /* a request is due, or segments are, that found no room in the outbox */
+    bool on_wire;        /* the last request was confirmed; the time-out runs */
+    bool toggle;         /* bit of the segment asked for, or sent, last */
+    bool owes_segment;   /* the transfer before ended without the answer to its last segment */
+    bool in_blocks;      /* asked for, and not refused so far */
+    sdo_abort_t refusal; /* of blocks; the transfer goes on without */
     struct sdo_transfer transfer;
+    uint8_t request[8]; /* what was, or is to be, sent last */
+    union {
+        struct block_sender sender;
+        struct block_receiver receiver;
+    };
     uint32_t position;  /* bytes transferred */
     uint32_t announced; /* size the server indicated in an upload; UINT32_MAX: none */
     uint8_t last_size;  /* data bytes in the segment sent last */
@@ -75,7 +99,7 @@ struct sdo_client {
     uint8_t outcome;    /* SDO_CLIENT_END: enum sdo_outcome, abort code, bytes for the event */
     sdo_abort_t code;
     uint32_t actual;
-    bool tell_server; /* the abort frame is due, too */
+    uint8_t farewell; /* the last frame, which is due, too: ABORT or BLOCK_END_ANSWER; 0: none */
     unsigned late;    /* answers that fitted no request, ignored */
 };
 
@@ -97,6 +121,14 @@ bool sdo_client_cancel(struct sdo_client *self, sdo_abort_t code, struct co_outb
  * behind them. Its time limit to get there starts anew, up to SDO_SEND_LIMIT.
  */
 void sdo_client_on_progress(struct sdo_client *self, co_us_t now);
+
+/* A request was put out, and nothing has shown yet that it is on the wire. */
+bool sdo_client_awaits_wire(const struct sdo_client *self);
+/*
+ * In place of the own frame: what was put out is on the wire, or will be soon. The time-out runs
+ * from now on; for the segments of a sub-block with the time that they may take on a slow bus.
+ */
+void sdo_client_on_handed_over(struct sdo_client *self, co_us_t now);
 
 /* Takes the server's answers and the own requests; ignores all other frames. */
 void sdo_client_on_frame(struct sdo_client *self, const struct co_frame *frame, co_us_t now,

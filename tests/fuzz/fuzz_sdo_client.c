@@ -3,9 +3,11 @@
  *
  * The input is a list of steps, one byte each with what it needs behind it:
  *
- *     0..63      start: download?, index, size and room from the following 4 bytes
- *     64..191    the server's frame: 9 bytes, dlc and data
- *     192..223   the own request comes back
+ *     0..63      start: download?, blocks?, index, size and room from the following 4 bytes
+ *     64..191    the server's frame: 9 bytes, dlc and data; in blocks one with bit 2 takes the
+ *                number that fits
+ *     192..215   the own request comes back
+ *     216..223   the requests were handed over
  *     224..247   time passes: one byte, in units of 10 ms
  *     248..255   cancel
  *
@@ -57,6 +59,7 @@ static void start(struct fuzz *self, struct input *input)
     const uint8_t kind = take(input);
     struct sdo_transfer transfer = { .download = (kind & 1) != 0,
                                      .indicate_size = (kind & 2) != 0,
+                                     .block = kind >> 4 & 7,
                                      .index = (uint16_t)(take(input) % 4),
                                      .sub = (uint8_t)(take(input) % 4),
                                      .size = take(input) % ROOM,
@@ -73,12 +76,15 @@ static void start(struct fuzz *self, struct input *input)
     sdo_client_start(&self->client, &transfer, self->now, &self->out);
 }
 
-static void answer(struct fuzz *self, struct input *input)
+static void answer(struct fuzz *self, struct input *input, bool fit)
 {
     struct co_frame frame = co_frame_make(SDO_RESPONSE_ID + NODE, take(input) % 9);
 
     for (unsigned i = 0; i < 8; i++)
         frame.data[i] = take(input);
+    if (fit && self->client.state == SDO_CLIENT_BLOCK_UP)
+        frame.data[0] = (uint8_t)((frame.data[0] & BLOCK_LAST) |
+                                  (self->client.receiver.in_order + 1));
     sdo_client_on_frame(&self->client, &frame, self->now, &self->out);
 }
 
@@ -98,9 +104,11 @@ static void step(struct fuzz *self, struct input *input)
     if (kind < 64)
         start(self, input);
     else if (kind < 192)
-        answer(self, input);
-    else if (kind < 224)
+        answer(self, input, (kind & 4) != 0);
+    else if (kind < 216)
         confirm(self);
+    else if (kind < 224)
+        sdo_client_on_handed_over(&self->client, self->now);
     else if (kind < 248)
         self->now += CO_MS(10) * take(input);
     else
@@ -126,7 +134,7 @@ static void drain(struct fuzz *self)
 /* Whatever came before: with room and time a transfer ends. */
 static void end(struct fuzz *self)
 {
-    for (unsigned i = 0; i < 4 && sdo_client_busy(&self->client); i++) {
+    for (unsigned i = 0; i < SDO_BLOCK_MAX && sdo_client_busy(&self->client); i++) {
         co_outbox_init(&self->out, self->frames, 2, self->events, 2);
         self->now += 2 * SDO_SEND_TIMEOUT;
         sdo_client_on_time(&self->client, self->now, &self->out);

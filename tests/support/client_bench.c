@@ -29,6 +29,7 @@ void client_bench_start(struct client_bench *self, const char *text, co_us_t now
     *transfer = (struct sdo_transfer){ .download = verb[0] == 'w',
                                        .indicate_size = strcmp(verb, "write+") == 0,
                                        .hide_size = strcmp(verb, "write-") == 0,
+                                       .block = self->block,
                                        .index = (uint16_t)index,
                                        .sub = (uint8_t)sub,
                                        .timeout = TIMEOUT };
@@ -55,11 +56,14 @@ static bool call(void *machine, const char *text, co_us_t now, struct co_outbox 
     }
     if (sscanf(text, "cancel %x", &number) == 1)
         return sdo_client_cancel(&self->client, number, out);
-    if (sscanf(text, "late %u", &number) == 1) {
+    if (sscanf(text, "late %u", &number) == 1)
         ck_assert_uint_eq(self->client.late, number);
-        return true;
-    }
-    client_bench_start(self, text, now, out);
+    else if (sscanf(text, "blocks of %u", &number) == 1)
+        self->block = (uint8_t)number;
+    else if (strcmp(text, "handed over") == 0)
+        sdo_client_on_handed_over(&self->client, now);
+    else
+        client_bench_start(self, text, now, out);
     return true;
 }
 
@@ -116,6 +120,8 @@ void client_bench_describe(struct client_bench *self, const struct co_event *eve
         hex_format(self->buffer, (size_t)event->actual, data, sizeof data);
         snprintf(text + strlen(text), size - strlen(text), " %s", data);
     }
+    if (event->expected)
+        snprintf(text + strlen(text), size - strlen(text), " no blocks");
 }
 
 static void describe(void *machine, const struct co_event *event, char *text, size_t size)

@@ -4,10 +4,13 @@
  *     "read 1008:00 16"      upload with room for 16 bytes; "write 2000:00 414243" download,
  *     "write+ ...", "write- ..."  with the size told in advance; without it even when expedited
  *     "write 2000:00 -"      of nothing
+ *     "blocks of 4"          from now on in blocks, with so many segments
+ *     "handed over"          the requests are with the bus, and no own frame comes back
  *     "cancel 08000022"      has to cancel; "cancel nothing" has to find nothing to cancel
  *     "late 2"               so many answers have been ignored
  *
- * An end is described as "outcome, code, bytes" and the data of an upload: "ok 00000000 2 E803".
+ * An end is described as "outcome, code, bytes" and the data of an upload: "ok 00000000 2 E803",
+ * with "no blocks" behind it when the server has shown that it has none.
  */
 #ifndef TEST_SUPPORT_CLIENT_BENCH_H
 #define TEST_SUPPORT_CLIENT_BENCH_H
@@ -23,6 +26,7 @@ struct client_bench {
     struct sdo_client client;
     struct sdo_transfer transfer;
     uint8_t buffer[BENCH_ROOM + BENCH_GUARD];
+    uint8_t block; /* of the next transfers */
     unsigned starts, ends;
 };
 

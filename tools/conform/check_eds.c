@@ -6,6 +6,8 @@
 #include "base/bytes.h"
 #include "od/abort.h"
 
+#include <string.h>
+
 static bool check_valid(struct conform *self)
 {
     if (!self->options.eds)
@@ -14,6 +16,39 @@ static bool check_valid(struct conform *self)
         return conform_fail(self, "the file has errors:\n%s",
                             self->eds_messages ? self->eds_messages : "");
     return true;
+}
+
+/* What CiA's checker only warns of. */
+static bool is_minor(const char *line, size_t length)
+{
+    static const char *const minor[] = { "a section of CiA 306 expected",
+                                         "a keyword of CiA 306 for this section expected",
+                                         "lines of at most 255 characters expected" };
+
+    for (size_t i = 0; i < sizeof minor / sizeof minor[0]; i++)
+        if (memmem(line, length, minor[i], strlen(minor[i])))
+            return true;
+    return false;
+}
+
+static bool check_standard(struct conform *self)
+{
+    char text[900] = "";
+    size_t used = 0;
+    unsigned count = 0;
+
+    for (const char *line = self->eds_messages; line && *line;) {
+        const size_t length = strcspn(line, "\n");
+
+        if (length > 0 && !is_minor(line, length)) {
+            count++;
+            if (used + length + 2 < sizeof text)
+                used += (size_t)snprintf(text + used, sizeof text - used, "\n%.*s", (int)length,
+                                         line);
+        }
+        line += length + (line[length] == '\n');
+    }
+    return count == 0 || conform_fail(self, "the reader has %u objections:%s", count, text);
 }
 
 static bool check_mandatory(struct conform *self)
@@ -74,7 +109,9 @@ static bool check_bit_rates(struct conform *self)
 }
 
 static const struct conform_check checks[] = {
-    { "eds-valid", "the EDS can be read without errors", "CiA 306", 0, 0, check_valid },
+    { "eds-valid", "the EDS can be read", "CiA 306", 0, 0, check_valid },
+    { "eds-standard", "the EDS is as the standard has it", "CiA 306", CONFORM_EDS, 0,
+      check_standard },
     { "eds-mandatory", "the mandatory objects are in the EDS and in the device", "CiA 301, 7.5.2",
       0, 0, check_mandatory },
     { "eds-identity", "vendor, product and revision are those of the EDS", "CiA 306, DeviceInfo",

@@ -82,6 +82,25 @@ static bool check_missing_sub(struct conform *self)
                               CODES(SDO_NO_SUB, SDO_GENERAL));
 }
 
+static bool names_object(struct conform *self, uint16_t index, uint8_t sub)
+{
+    uint8_t answer[8];
+
+    if (!check_ask(self, 0x40, index, sub, answer) || answer[0] != 0x80)
+        return true; /* findings of other checks */
+    if (get_le16(answer + 1) == index && answer[3] == sub)
+        return true;
+    return conform_fail(self,
+                        "the refused read of %04Xh:%02X: expected an abort for it, received "
+                        "one for %04Xh:%02X",
+                        index, sub, get_le16(answer + 1), answer[3]);
+}
+
+static bool check_abort_object(struct conform *self)
+{
+    return names_object(self, 0x1000, 1) && names_object(self, 0x1004, 0);
+}
+
 static bool check_missing_object(struct conform *self)
 {
     static const uint16_t candidates[] = { 0x1004, 0x100E, 0x100F, 0x10FE, 0x1F00 };
@@ -351,6 +370,8 @@ static const struct conform_check checks[] = {
       check_missing_sub },
     { "sdo-missing-object", "an object that does not exist is refused", "CiA 301, 7.2.4.3.17", 0, 0,
       check_missing_object },
+    { "sdo-abort-object", "the abort of a refused request names its object", "CiA 301, 7.2.4.3.17",
+      0, 0, check_abort_object },
     { "sdo-too-long", "4 bytes for an object of 1 or 2 are refused", "CiA 301, 7.2.4.3.17", 0, 0,
       check_too_long },
     { "sdo-too-short", "1 byte for an object of 2 or 4 is refused", "CiA 301, 7.2.4.3.17", 0, 0,

@@ -48,8 +48,9 @@ static bool choose(struct conform *self, uint32_t least, struct upload *upload)
     upload->object = least <= 4 ? &device_type : conform_long_object(self, least);
     if (!upload->object)
         return conform_skip(self, "the device has no value of %u bytes or more", (unsigned)least);
-    if (!conform_must_read(self, upload->object->index, upload->object->sub, &upload->plain))
-        return false;
+    if (conform_read(self, upload->object->index, upload->object->sub, &upload->plain) != SDO_OK)
+        return conform_skip(self, "%04Xh:%02X cannot be read otherwise, to compare",
+                            upload->object->index, upload->object->sub);
     return upload->plain.size <= CONFORM_VALUE_MAX - SEGMENT ||
            conform_skip(self, "%04Xh:%02X is too long to compare", upload->object->index,
                         upload->object->sub);

@@ -187,8 +187,8 @@ static bool check_empty_read(struct conform *self)
         result = conform_read(self, object->index, object->sub, &value);
         if (result == SDO_NO_DATA || (result == SDO_OK && value.size == 0))
             return true;
-        if (result == CONFORM_NO_ANSWER || result == CONFORM_BAD_ANSWER)
-            return conform_must_read(self, object->index, object->sub, &value);
+        if (result == CONFORM_NO_ANSWER)
+            return conform_fail(self, "read %04Xh:%02X: no answer", object->index, object->sub);
     }
     return conform_skip(self, "no string or domain without contents is known");
 }
@@ -300,7 +300,7 @@ static bool send_bytes(struct conform *self, const struct download *download, un
         make_segment(download, toggle, 1, i + 1 == count, request);
         if (!conform_exchange(self, request, answer))
             return false;
-        if (answer[0] != (0x20 | toggle))
+        if ((answer[0] & 0xEF) != 0x20)
             break;
     }
     return true;

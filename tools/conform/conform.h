@@ -135,6 +135,7 @@ struct conform {
     const struct conform_check *check;
     enum conform_verdict verdict;
     char reason[1024];
+    char bad_answer[128]; /* the last one, in words */
     struct bus_rx *frames;
     size_t frame_count, frame_room;
     co_us_t begin;
@@ -202,11 +203,12 @@ bool conform_reset(struct conform *self, uint8_t command);
 
 /* Where CiA's code would stand; no code of CiA 301 looks like them. */
 #define CONFORM_NO_ANSWER  0xFFFFFFFFu
-#define CONFORM_BAD_ANSWER 0xFFFFFFFEu /* no answer to this request; told by conform_fail() */
+#define CONFORM_BAD_ANSWER 0xFFFFFFFEu /* one that does not belong to the request */
 
 #define CONFORM_VALUE_MAX 1024u
 
 struct conform_value {
+    uint32_t announced;               /* by the server, in an upload in segments; 0: nothing */
     uint32_t size;                    /* all that came; the bytes behind CONFORM_VALUE_MAX are
                                          not kept */
     uint8_t bytes[CONFORM_VALUE_MAX]; /* 0 behind the value */

@@ -169,7 +169,7 @@ static bool can_write_back(struct conform *self, const struct conform_object *ob
            conform_write(self, object->index, object->sub, value.bytes, size) == SDO_OK;
 }
 
-const struct conform_object *conform_writable(struct conform *self, uint32_t size)
+static const struct conform_object *find_writable(struct conform *self, uint32_t size)
 {
     static const struct {
         uint16_t index;
@@ -195,6 +195,16 @@ const struct conform_object *conform_writable(struct conform *self, uint32_t siz
     return NULL;
 }
 
+/* What was tried is of no interest to the check. */
+const struct conform_object *conform_writable(struct conform *self, uint32_t size)
+{
+    const size_t from = conform_mark(self);
+    const struct conform_object *object = find_writable(self, size);
+
+    conform_drop(self, from);
+    return object;
+}
+
 static bool may_be_long(const struct conform_object *object)
 {
     const uint32_t size = od_type_size(object->type);
@@ -202,16 +212,28 @@ static bool may_be_long(const struct conform_object *object)
     return object->access != OD_WO && (object->type == 0 || size == 0 || size > 4);
 }
 
-const struct conform_object *conform_long_object(struct conform *self, uint32_t size)
+/* As the server says: whether it can send it as well is for the checks to find out. */
+static uint32_t long_size(struct conform *self, const struct conform_object *object)
 {
     struct conform_value value;
+    const uint32_t result = conform_read(self, object->index, object->sub, &value);
 
-    for (size_t i = 0; i < self->object_count; i++) {
-        const struct conform_object *object = &self->objects[i];
+    return result == SDO_OK ? value.size : value.announced;
+}
 
-        if (may_be_long(object) &&
-            conform_read(self, object->index, object->sub, &value) == SDO_OK && value.size >= size)
-            return object;
-    }
+static const struct conform_object *find_long_object(struct conform *self, uint32_t size)
+{
+    for (size_t i = 0; i < self->object_count; i++)
+        if (may_be_long(&self->objects[i]) && long_size(self, &self->objects[i]) >= size)
+            return &self->objects[i];
     return NULL;
+}
+
+const struct conform_object *conform_long_object(struct conform *self, uint32_t size)
+{
+    const size_t from = conform_mark(self);
+    const struct conform_object *object = find_long_object(self, size);
+
+    conform_drop(self, from);
+    return object;
 }

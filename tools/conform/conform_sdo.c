@@ -33,7 +33,7 @@ const char *conform_result_text(uint32_t result, char *text, size_t size)
     else if (result == CONFORM_NO_ANSWER)
         snprintf(text, size, "no answer");
     else if (result == CONFORM_BAD_ANSWER)
-        snprintf(text, size, "an answer to something else");
+        snprintf(text, size, "an answer that is none to this request");
     else
         snprintf(text, size, "abort %08X (%s)", (unsigned)result, sdo_abort_text(result));
     return text;
@@ -49,9 +49,9 @@ static uint32_t judge(struct conform *self, const uint8_t request[8], const uint
         return get_le32(answer + 4);
     if ((answer[0] & mask) == command && (!initiate || memcmp(answer + 1, request + 1, 3) == 0))
         return SDO_OK;
-    conform_fail(self, "request %02X %02X %02X %02X: the answer %02X %02X %02X %02X is not to it",
-                 request[0], request[1], request[2], request[3], answer[0], answer[1], answer[2],
-                 answer[3]);
+    snprintf(self->bad_answer, sizeof self->bad_answer,
+             "the answer %02X %02X %02X %02X to the request %02X %02X %02X %02X", answer[0],
+             answer[1], answer[2], answer[3], request[0], request[1], request[2], request[3]);
     return CONFORM_BAD_ANSWER;
 }
 
@@ -89,6 +89,16 @@ static uint32_t read_segments(struct conform *self, struct conform_value *value)
     return SDO_OK;
 }
 
+/* The server must not wait for the rest. */
+static void give_up(struct conform *self, uint16_t index, uint8_t sub)
+{
+    uint8_t request[8];
+
+    conform_request(request, 0x80, index, sub);
+    put_le32(request + 4, SDO_COMMAND);
+    conform_send_data(self, 0x600u + self->options.node, request, sizeof request);
+}
+
 uint32_t conform_read(struct conform *self, uint16_t index, uint8_t sub,
                       struct conform_value *ret_value)
 {
@@ -100,8 +110,13 @@ uint32_t conform_read(struct conform *self, uint16_t index, uint8_t sub,
     result = step(self, request, 0xE0, 0x40, answer);
     if (result != SDO_OK)
         return result;
-    if ((answer[0] & 0x02) == 0)
-        return read_segments(self, ret_value);
+    if ((answer[0] & 0x02) == 0) {
+        ret_value->announced = answer[0] & 0x01 ? get_le32(answer + 4) : 0;
+        result = read_segments(self, ret_value);
+        if (result == CONFORM_BAD_ANSWER)
+            give_up(self, index, sub);
+        return result;
+    }
     append(ret_value, answer + 4, answer[0] & 0x01 ? 4u - (answer[0] >> 2 & 3u) : 4u);
     return SDO_OK;
 }
@@ -149,7 +164,12 @@ uint32_t conform_write(struct conform *self, uint16_t index, uint8_t sub, const 
     else
         put_le32(request + 4, size);
     result = step(self, request, 0xFF, 0x60, answer);
-    return result != SDO_OK || expedited ? result : write_segments(self, bytes, size);
+    if (result != SDO_OK || expedited)
+        return result;
+    result = write_segments(self, bytes, size);
+    if (result == CONFORM_BAD_ANSWER)
+        give_up(self, index, sub);
+    return result;
 }
 
 uint32_t conform_write_number(struct conform *self, uint16_t index, uint8_t sub, uint32_t size,
@@ -169,7 +189,8 @@ static bool fail_access(struct conform *self, const char *what, uint16_t index, 
     char text[CONFORM_RESULT_SIZE];
 
     if (result == CONFORM_BAD_ANSWER)
-        return false;
+        return conform_fail(self, "%s %04Xh:%02X: expected success, received %s", what, index, sub,
+                            self->bad_answer);
     return conform_fail(self, "%s %04Xh:%02X: expected success, received %s", what, index, sub,
                         conform_result_text(result, text, sizeof text));
 }
@@ -219,8 +240,6 @@ bool conform_must_abort(struct conform *self, const char *what, uint32_t result,
     char expected[256] = "", received[CONFORM_RESULT_SIZE];
     size_t length = 0;
 
-    if (result == CONFORM_BAD_ANSWER)
-        return false;
     for (size_t i = 0; codes[i] != 0; i++) {
         if (codes[i] == result)
             return true;
@@ -229,7 +248,9 @@ bool conform_must_abort(struct conform *self, const char *what, uint32_t result,
                                        i == 0 ? "" : " or ", (unsigned)codes[i]);
     }
     return conform_fail(self, "%s: expected abort %s, received %s", what, expected,
-                        conform_result_text(result, received, sizeof received));
+                        result == CONFORM_BAD_ANSWER
+                            ? self->bad_answer
+                            : conform_result_text(result, received, sizeof received));
 }
 
 bool conform_must_answer_abort(struct conform *self, const char *what, const uint8_t answer[8],

@@ -263,6 +263,29 @@ MCANOPEN_API int canOpenGetDictionaryHnd(HNODE HNode, unsigned short Index, unsi
 MCANOPEN_API int canOpenReadDictionaryHnd(HDICT HDict, void *Data);
 MCANOPEN_API int canOpenWriteDictionaryHnd(HDICT HDict, const void *Data);
 
+/*
+ * Ours: the power-on values of a node in NodeOffline are kept in a file, by clients' "save" (1010h)
+ * and "load" (1011h). Call it when the dictionary is complete, before canOpenActivateNode: values
+ * that the file has become power-on values and present ones. NULL: none any more.
+ *
+ * In the file is a concise DCF (CiA 302-3, 1F22h; ccfread shows it) of all parameters, entries that
+ * clients can write and that are no domains, whose power-on value is not the one that the
+ * application or the EDS has given. Values that no longer fit, and a file that cannot be read, are
+ * told (mcanOpenSetLog), and there the node has its default values; a file that is not there is
+ * none yet.
+ *
+ * It is written before the client is answered, and replaced as a whole, by way of FileName~:
+ * whenever the power fails the old values or the new ones are there. A "load" waits for the reset,
+ * but a node that is started anew has the default values at once. When the file cannot be written
+ * the client gets 06060000h, and neither file nor node change. Not from callbacks.
+ *
+ *   SCANOPEN_WRONG_PARAMETER      FileName is empty
+ *   SCANOPEN_WRONG_NODESTATE      not in NodeOffline
+ *   SCANOPEN_SERVICE_NOT_ALLOWED  also: the node has no 1010h
+ *   SCANOPEN_OUT_OF_MEMORY, SCANOPEN_CANNOT_START_DAEMON
+ */
+MCANOPEN_API int canOpenSetStoreFile(HNODE HNode, const char *FileName);
+
 /* PDOs ----------------------------------------------------------------------------------------- */
 
 /*

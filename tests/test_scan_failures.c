@@ -7,7 +7,9 @@
 
 #include <errno.h>
 #include <pthread.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 #define MOST         10000u /* allocations of one call */
@@ -57,22 +59,31 @@ int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes,
 
 static struct scan_plant *plant;
 static HNODE node, other;
+static char store[40];
 
 /* All is there but what the call makes: network 1, a second node, an object, a file, a PDO. */
 static void set_up(void)
 {
     DictionaryData nothing = { .domain = { NULL, 0, 0 } };
+    SLAVE_NODE_INFO info = scan_info();
+    FILE *file;
 
+    info.ulOptions |= PARAMETER_STORE;
     plant = scan_plant_new(0);
-    node = scan_node(plant, 5, NULL);
+    node = scan_node(plant, 5, &info);
     scan_number(node, 0x2000, TYP_UINT8, READ_ACCESS | MAPPABLE, 1, NULL);
     ck_assert_int_eq(canOpenExtendDictionary(node, 0x2002, 0, OBJ_VAR, MAP_DOMAIN), SCANOPEN_OK);
     ck_assert_int_eq(canOpenInitDictionary(node, 0x2002, 0, NULL, READ_ACCESS, &nothing, NULL),
                      SCANOPEN_OK);
+    snprintf(store, sizeof store, "/tmp/mcanopen-failures-XXXXXX");
+    file = fdopen(mkstemp(store), "w");
+    fwrite("\1\0\0\0\5\x10\0\4\0\0\0\x81\0\0\0", 1, 15, file); /* 1005h */
+    fclose(file);
 }
 
 static void tear_down(void)
 {
+    unlink(store);
     scan_plant_free(plant);
 }
 
@@ -140,6 +151,11 @@ static int reset_node(void)
     return canOpenResetNode(node);
 }
 
+static int set_store_file(void)
+{
+    return canOpenSetStoreFile(node, store);
+}
+
 struct call {
     int (*run)(void);
     int (*undo)(void);
@@ -150,11 +166,13 @@ static const struct call in_need_of_memory[] = {
     { create_node, delete_node },       { create_node_ex, delete_node },
     { activate_node, reset_node },      { extend_dictionary, NULL },
     { set_domain_file, NULL },          { define_pdo, NULL },
+    { set_store_file, NULL },
 };
 
 static const struct call in_need_of_threads[] = {
     { create_network, remove_network },
     { create_network_ex, remove_network },
+    { set_store_file, NULL },
 };
 
 /*

@@ -180,6 +180,7 @@ void scan_free_node(struct scan_node *node)
     free(node->rpdos);
     free(node->tpdos);
     free(node->received);
+    free(node->store_file);
     free(node->questions);
     free(node);
 }

@@ -13,6 +13,7 @@
  *   scan_file.c        nodes from EDS and DCF files
  *   scan_parameter.c   versions and parameters
  *   scan_time.c        TIME
+ *   scan_store.c       the store daemon: power-on values in a file
  *   scan_handlers.c    the PDO daemon: object handlers
  *   scan_sdo.c         the SDO daemon: handlers and files for clients
  *   scan_domain.c      domains in files
@@ -43,6 +44,8 @@ struct scan_net {
     unsigned nodes;        /* under the change lock of scan.c */
     uint8_t bus_state;     /* as told last; under the network's lock */
     struct daemon nmt, pdo, sdo, emcy;
+    struct daemon store; /* started when a node wants it ... */
+    bool stores;         /* ... under the change lock of scan.c */
 };
 
 /* Where the bytes of a domain are. */
@@ -114,6 +117,8 @@ struct scan_node {
     uint32_t handle_count, handle_room;
     uint16_t rpdo_max, tpdo_max, rpdo_count, tpdo_count;
     struct scan_pdo *rpdos, *tpdos;
+    char *store_file; /* NULL: none; changes only off the bus */
+    bool storing;     /* the store daemon writes it: the node stays on the bus */
     /* the PDO daemon's part */
     struct scan_received *received; /* a ring */
     unsigned received_size, received_first, received_count, received_lost;
@@ -147,6 +152,13 @@ struct scan_emcy_token {
     struct scan_token node;
     SLAVE_EVENT event;
     SLAVE_EMCY emcy;
+};
+
+/* For the store daemon: a client's "save" or "load". */
+struct scan_store_token {
+    struct scan_token node;
+    struct slave_transfer transfer;
+    unsigned activation;
 };
 
 /* ---- scan.c ---- */
@@ -221,6 +233,8 @@ size_t scan_size(uint8_t type);
 /* From little-endian bytes, and back: so many as the type has. */
 void scan_number_from(uint8_t type, const uint8_t *bytes, union scan_number *ret_number);
 void scan_number_to(uint8_t type, const void *number, uint8_t ret_bytes[8]);
+/* What the return value of a handler is to the SDO client. */
+sdo_abort_t scan_code_of(int result);
 /* The error of the slave interface for a value that the dictionary refuses. */
 int scan_error_of_value(sdo_abort_t code);
 /* For an object handler: size bytes as they travel. */
@@ -276,6 +290,20 @@ int scan_make_from_file(struct scan_node *node, const char *path);
 /* ---- scan_time.c ---- */
 
 CAN_TIME_OF_DAY scan_time_of(const struct co_event *news);
+
+/* ---- scan_store.c ---- */
+
+/* Offline: 1010h and 1011h are watched where somebody is to be asked. */
+void scan_watch_store(struct scan_node *node);
+/* Under the network's lock: a SLAVE_VERDICT; false: it is about no such command. */
+bool scan_on_store(struct scan_node *node, const struct co_event *event);
+/* What the handler has returned; with the news that scan_tell_configuration() got. */
+void scan_decide_store(const struct scan_token *token, const struct co_event *news, int result);
+/* Between scan_lock() and scan_unlock(): until the daemon has written the file. */
+void scan_wait_stored(struct scan_node *node);
+void scan_store_work(void *context, const void *element);
+/* Under the lock: strings that a reset has brought back. */
+void scan_end_texts(struct scan_node *node);
 
 /* ---- scan_handlers.c ---- */
 
@@ -333,8 +361,10 @@ void scan_nmt_work(void *context, const void *element);
 void scan_nmt_lost(void *context, unsigned count);
 /* Its handler wants that kind. */
 bool scan_wants(const struct scan_node *node, unsigned long event);
-/* Calls it, in a daemon. */
-void scan_call_handler(const struct scan_token *token, SLAVE_EVENT *event);
+/* Calls it, in a daemon; what it has returned. */
+int scan_call_handler(const struct scan_token *token, SLAVE_EVENT *event);
+/* EV_CONFIGURATION for a SLAVE_VERDICT. Under the network's lock. */
+void scan_tell_configuration(struct scan_node *node, const struct co_event *news);
 /* To the node's handler, if it wants that kind. Under the network's lock. */
 void scan_tell(struct scan_node *node, unsigned long event, unsigned long arg1, unsigned long arg2);
 

@@ -6,6 +6,8 @@
 
 #include <stdio.h>
 
+#define STORE_PARAMETERS 0x1010u
+
 /* ---- under the network's lock ---- */
 
 bool scan_wants(const struct scan_node *node, unsigned long event)
@@ -41,6 +43,18 @@ static void tell_time(struct scan_node *node, const struct co_event *news)
     tell(node, &token);
 }
 
+void scan_tell_configuration(struct scan_node *node, const struct co_event *news)
+{
+    const struct scan_event_token token = {
+        .event = { .ulEvent = EV_CONFIGURATION,
+                   .ulArg1 = news->index == STORE_PARAMETERS ? EV_STORE : EV_RESTORE,
+                   .arg = { .ulArg2 = news->sub } },
+        .news = *news
+    };
+
+    tell(node, &token);
+}
+
 /* The two resets as the application knows them; the state NodeInit is only passed through. */
 static void tell_state(struct scan_node *node, const struct co_event *event)
 {
@@ -52,6 +66,7 @@ static void tell_state(struct scan_node *node, const struct co_event *event)
         scan_tell(node, EV_STATE_CHANGE, event->detail, 0);
         return;
     }
+    scan_end_texts(node);
     node->resetting = event->sub != 0;
     node->reset_kind = event->sub == NMT_RESET_NODE ? EV_APPLICATION : EV_COMMUNICATION;
     if (node->resetting)
@@ -139,6 +154,9 @@ void scan_on_node_event(void *context, struct network *network, const struct co_
     case SLAVE_WRITTEN: note_written(node, event); break;
     case SLAVE_EMERGENCY: node->last_error = (int)event->code; break;
     case SLAVE_VERDICT:
+        if (!scan_on_store(node, event))
+            scan_on_question(node, event, network_time(network));
+        break;
     case SLAVE_FETCH: scan_on_question(node, event, network_time(network)); break;
     case SLAVE_VERDICT_LATE:
         scan_tell(node, EV_HANDLER, EV_TIMEOUT, (unsigned long)event->index << 8 | event->sub);
@@ -218,19 +236,21 @@ static void log_news(const struct scan_net *net, const struct co_event *news)
     log_put(CO_WARNING, full);
 }
 
-void scan_call_handler(const struct scan_token *token, SLAVE_EVENT *event)
+int scan_call_handler(const struct scan_token *token, SLAVE_EVENT *event)
 {
     struct scan_node *node;
+    int result = SCANOPEN_OK;
 
     if (scan_enter_token(token, &node) != SCANOPEN_OK)
-        return;
+        return result;
     callback_begin();
     if (node->on_event)
-        node->on_event(event);
+        result = node->on_event(event);
     else if (node->on_event_old)
         call_old(node, event);
     callback_end();
     scan_leave(node);
+    return result;
 }
 
 void scan_nmt_work(void *context, const void *element)
@@ -238,6 +258,7 @@ void scan_nmt_work(void *context, const void *element)
     const struct scan_event_token *token = element;
     SLAVE_EVENT event = token->event;
     CAN_TIME_OF_DAY time;
+    int result;
 
     if (token->node.generation == 0) {
         log_news(context, &token->news);
@@ -246,7 +267,9 @@ void scan_nmt_work(void *context, const void *element)
     time = scan_time_of(&token->news);
     if (event.ulEvent == EV_TIME)
         event.arg.pArg2 = &time;
-    scan_call_handler(&token->node, &event);
+    result = scan_call_handler(&token->node, &event);
+    if (event.ulEvent == EV_CONFIGURATION)
+        scan_decide_store(&token->node, &token->news, result);
 }
 
 void scan_nmt_lost(void *context, unsigned count)

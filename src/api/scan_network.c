@@ -113,6 +113,8 @@ static void stop_daemons(struct scan_net *net, unsigned started)
 {
     struct daemon *const daemons[DAEMONS] = { &net->nmt, &net->emcy, &net->pdo, &net->sdo };
 
+    if (net->stores)
+        daemon_stop(&net->store);
     while (started > 0)
         daemon_stop(daemons[--started]);
 }

@@ -152,6 +152,7 @@ static int activate(struct scan_node *node, co_us_t now, struct co_outbox *out)
 
     if (node->active)
         return SCANOPEN_WRONG_NODESTATE;
+    scan_watch_store(node);
     err = slave_init(&node->slave, node->id, &node->od);
     if (err != CO_OK)
         return SCANOPEN_OUT_OF_MEMORY;
@@ -197,6 +198,7 @@ static void deactivate(struct scan_node *node)
     network_set_slave(node->net->network, node->id, NULL);
     slave_done(&node->slave);
     od_reset(&node->od, 0, UINT16_MAX);
+    scan_end_texts(node);
     scan_count_maps(node);
     node->received_count = 0;
     for (unsigned i = 0; i < node->question_count; i++)
@@ -212,6 +214,7 @@ static void go_offline(struct scan_node *node)
     co_us_t now;
 
     scan_lock(node, &now);
+    scan_wait_stored(node);
     deactivate(node);
     network_poke(node->net->network);
     scan_unlock(node);

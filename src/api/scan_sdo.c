@@ -115,19 +115,6 @@ static sdo_abort_t fill_job(const struct scan_node *node, const struct scan_ques
     return SDO_OK;
 }
 
-static sdo_abort_t code_of(int result)
-{
-    if (result > 0)
-        return (sdo_abort_t)result;
-    switch (result) {
-    case SCANOPEN_OK: return SDO_OK;
-    case SCANOPEN_VALUE_TOO_HIGH: return SDO_VALUE_HIGH;
-    case SCANOPEN_VALUE_TOO_LOW: return SDO_VALUE_LOW;
-    case SCANOPEN_WRONG_PARAMETER: return SDO_INVALID_VALUE;
-    default: return SDO_NOT_STORED;
-    }
-}
-
 static sdo_abort_t ask_handler(struct scan_call *call)
 {
     sdo_abort_t code;
@@ -135,7 +122,7 @@ static sdo_abort_t ask_handler(struct scan_call *call)
     if (!call->handlers.handler && !call->handlers.handler_ts)
         return SDO_OK;
     callback_begin();
-    code = code_of(scan_run_call(call, &call->data));
+    code = scan_code_of(scan_run_call(call, &call->data));
     callback_end();
     return code;
 }

@@ -81,6 +81,19 @@ void scan_data_from(uint8_t type, uint8_t *bytes, uint32_t size, union scan_data
         scan_number_from(type, bytes, &ret_data->number);
 }
 
+sdo_abort_t scan_code_of(int result)
+{
+    if (result > 0)
+        return (sdo_abort_t)result;
+    switch (result) {
+    case SCANOPEN_OK: return SDO_OK;
+    case SCANOPEN_VALUE_TOO_HIGH: return SDO_VALUE_HIGH;
+    case SCANOPEN_VALUE_TOO_LOW: return SDO_VALUE_LOW;
+    case SCANOPEN_WRONG_PARAMETER: return SDO_INVALID_VALUE;
+    default: return SDO_NOT_STORED;
+    }
+}
+
 void scan_end_text(const struct od_entry *entry)
 {
     if (entry->referred && entry->access != OD_RO && entry->access != OD_NONE &&

@@ -9,6 +9,8 @@ const struct conform_family *const conform_families[] = {
     &conform_sdo_block_download,
     &conform_sdo_channel,
     &conform_od,
+    &conform_emcy,
+    &conform_sync,
     &conform_nmt_slave,
     &conform_heartbeat,
     &conform_guarding,

@@ -13,6 +13,8 @@ extern const struct conform_family conform_sdo_block_upload;
 extern const struct conform_family conform_sdo_block_download;
 extern const struct conform_family conform_sdo_channel;
 extern const struct conform_family conform_od;
+extern const struct conform_family conform_emcy;
+extern const struct conform_family conform_sync;
 extern const struct conform_family conform_nmt_slave;
 extern const struct conform_family conform_heartbeat;
 extern const struct conform_family conform_guarding;

@@ -116,7 +116,8 @@ static bool is_emcy(const struct co_frame *frame, uint16_t code)
 static size_t await_emcy(struct conform *self, size_t from, uint16_t code, unsigned ms,
                          size_t *ret_other)
 {
-    const uint32_t id = (uint32_t)conform_number(self, 0x1014, 0, 0x80) & 0x7FFu;
+    const uint32_t id = (uint32_t)conform_number(self, 0x1014, 0, 0x80u + self->options.node) &
+                        0x7FFu;
     size_t at = conform_await(self, from, id, ms);
 
     *ret_other = CONFORM_NOTHING;
@@ -138,6 +139,13 @@ bool conform_expect_emcy(struct conform *self, size_t from, uint16_t code, size_
     if (other != CONFORM_NOTHING)
         co_frame_format(conform_frame(self, other), text, sizeof text);
     return conform_fail(self, "expected an emergency with the code %04X, received %s", code, text);
+}
+
+size_t conform_find_emcy(struct conform *self, size_t from, uint16_t code)
+{
+    size_t other;
+
+    return await_emcy(self, from, code, EMCY_WAIT, &other);
 }
 
 bool conform_expect_no_emcy(struct conform *self, size_t from, uint16_t code, unsigned ms)

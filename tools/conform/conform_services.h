@@ -33,6 +33,8 @@ const char *conform_state_text(uint8_t state);
 bool conform_emcy_id(struct conform *self, uint32_t *ret_id);
 /* The first emergency with this code from a frame on; it fails without. */
 bool conform_expect_emcy(struct conform *self, size_t from, uint16_t code, size_t *ret_at);
+/* The same without a judgement; CONFORM_NOTHING: none. */
+size_t conform_find_emcy(struct conform *self, size_t from, uint16_t code);
 /* None with this code in 'ms'. */
 bool conform_expect_no_emcy(struct conform *self, size_t from, uint16_t code, unsigned ms);
 

@@ -154,6 +154,39 @@ class Heard(can.Listener):
                 self.news.wait(left)
 
 
+class Arrivals:
+    """Things that come one by one, to wait for."""
+
+    def __init__(self):
+        self.times, self.all, self.news = [], [], threading.Condition()
+
+    def add(self, what, when):
+        with self.news:
+            self.times.append(when)
+            self.all.append(what)
+            self.news.notify_all()
+
+    def count(self):
+        with self.news:
+            return len(self.all)
+
+    def _wait_until(self, judge, what):
+        with self.news:
+            if not self.news.wait_for(judge, plant.LIMIT):
+                raise AssertionError(f"no {what} in {self.all}")
+
+    def wait_for(self, what):
+        """Until the last one is this."""
+        self._wait_until(lambda: self.all and self.all[-1] == what, what)
+
+    def wait_for_count(self, count):
+        self._wait_until(lambda: len(self.all) >= count, f"number {count}")
+
+    def gaps(self, since=0):
+        times = self.times[since:]
+        return [after - before for before, after in zip(times, times[1:])]
+
+
 class PeerTest(plant.PlantTest):
     """A test with a network of python-canopen on its bus."""
 

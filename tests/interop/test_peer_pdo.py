@@ -5,11 +5,10 @@ The device is pdo_device.c: outputs that are received are mirrored in inputs, wh
 sent" is what an answer by SDO shows that is asked for later and comes without it.
 """
 import subprocess
-import threading
 import time
 
 import canopen
-from peers import PeerTest, plant, read_dictionary
+from peers import Arrivals, PeerTest, plant, read_dictionary
 from devices import Entry, Record, dcf, standard
 
 NODE, PEER = 5, 9
@@ -84,39 +83,6 @@ def send(pdo, values):
     for variable, value in zip(pdo, values, strict=True):
         variable.raw = value
     pdo.transmit()
-
-
-class Arrivals:
-    """Things that come one by one, to wait for."""
-
-    def __init__(self):
-        self.times, self.all, self.news = [], [], threading.Condition()
-
-    def add(self, what, when):
-        with self.news:
-            self.times.append(when)
-            self.all.append(what)
-            self.news.notify_all()
-
-    def count(self):
-        with self.news:
-            return len(self.all)
-
-    def _wait_until(self, judge, what):
-        with self.news:
-            if not self.news.wait_for(judge, plant.LIMIT):
-                raise AssertionError(f"no {what} in {self.all}")
-
-    def wait_for(self, what):
-        """Until the last one is this."""
-        self._wait_until(lambda: self.all and self.all[-1] == what, what)
-
-    def wait_for_count(self, count):
-        self._wait_until(lambda: len(self.all) >= count, f"number {count}")
-
-    def gaps(self, since=0):
-        times = self.times[since:]
-        return [after - before for before, after in zip(times, times[1:])]
 
 
 class Received(Arrivals):

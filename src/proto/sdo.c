@@ -125,6 +125,9 @@ sdo_abort_t block_receiver_on_segment(struct block_receiver *self, const uint8_t
     if (number == 0 || number > self->limit)
         return SDO_BLOCK_SEQUENCE;
     self->heard = true;
+    if (self->early && number != 1)
+        return SDO_OK;
+    self->early = false;
     self->due = number == self->limit || (data[0] & BLOCK_LAST) != 0;
     return number == self->in_order + 1 ? take_next(self, data) : SDO_OK;
 }
@@ -137,6 +140,7 @@ void block_receiver_make_ack(struct block_receiver *self, uint8_t limit, uint8_t
     ret_data[2] = limit;
     self->limit = limit;
     self->in_order = 0;
+    self->early = !self->due;
     self->heard = false;
     self->due = false;
 }

@@ -9,7 +9,9 @@
  *
  * The sender goes on behind the last segment that came in order, with number 1 again. It is the
  * receiver who ends a sub-block: when the segment with the highest number or the last one of all
- * has come, or when its owner says so after a silence.
+ * has come, or when its owner says so after a silence. If the sender was only slow, segments that
+ * it sent before it got the answer still come: they are ignored, and not answered again. A
+ * sub-block of which nothing came is not asked for again: it may be the answer before that is lost.
  *
  *   owner    a server or client; it makes the frames' ways and times
  *   locking  none; the owner's
@@ -78,6 +80,7 @@ struct block_receiver {
     uint8_t in_order; /* number of its last one that came in order */
     bool heard;       /* one of its segments has come, in order or not */
     bool due;         /* its end has come: an A2 is to be sent */
+    bool early;       /* the A2 before was not due: segments that it has crossed may come */
     bool complete;    /* the last segment of all has come in order */
 };
 

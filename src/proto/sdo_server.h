@@ -38,7 +38,7 @@
 #include "proto/sdo.h"
 
 #define SDO_SERVER_TIMEOUT CO_MS(1000) /* for the client's next segment, and for the owner */
-#define SDO_SERVER_SILENCE CO_MS(500)  /* among the segments of a sub-block, before an answer */
+#define SDO_SERVER_SILENCE CO_MS(100)  /* among the segments of a sub-block, before an answer */
 
 enum sdo_server_state {
     SDO_SERVER_IDLE,

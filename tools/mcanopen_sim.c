@@ -17,6 +17,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #define VALUES_MAX 256u
@@ -42,6 +43,10 @@ static const char usage[] =
     "                                       (100): --ramp 5:6401:1=0..1000/2000\n"
     "  --toggle ID:INDEX[:SUB]=A..B/MS      A and B in turns: --toggle 5:6000:1=0..255/500\n"
     "\n"
+    "  --store DIR      what masters save (1010h) is kept in DIR/node-ID.ccf (ccfread shows it), "
+    "and\n"
+    "                   is there when the device is started again\n"
+    "\n"
     "For tests of testers:\n"
     "  --defect NAME    the one device does this wrong; may be repeated; 'help' lists all\n"
     "\n"
@@ -60,7 +65,8 @@ struct sim_device {
 struct sim {
     const char *xml;
     const char *bus;
-    int net; /* -1: the first */
+    const char *store; /* NULL: nothing is kept */
+    int net;           /* -1: the first */
     bool quiet, verbose;
     bool opening; /* the bus: what is said then is about it */
     struct network_config *networks;
@@ -156,6 +162,21 @@ static int make_configured(struct sim *self, const struct node_config *node, HNO
     return result;
 }
 
+/* Devices without 1010h keep nothing. */
+static int keep_values(const struct sim *self, uint8_t node, HNODE handle)
+{
+    char *path = NULL;
+    int result;
+
+    if (!self->store)
+        return SCANOPEN_OK;
+    if (asprintf(&path, "%s/node-%u.ccf", self->store, node) < 0)
+        return SCANOPEN_OUT_OF_MEMORY;
+    result = canOpenSetStoreFile(handle, path);
+    free(path);
+    return result == SCANOPEN_SERVICE_NOT_ALLOWED ? SCANOPEN_OK : result;
+}
+
 static bool make_device(struct sim *self, uint8_t node)
 {
     struct sim_device *device = &self->devices[node];
@@ -165,8 +186,12 @@ static bool make_device(struct sim *self, uint8_t node)
         result = make_from(self, node, device->file, &device->handle);
     else
         result = make_configured(self, network_config_node(self->config, node), &device->handle);
+    if (result == SCANOPEN_OK)
+        result = keep_values(self, node, device->handle);
     if (result == SCANOPEN_OUT_OF_MEMORY)
         fprintf(stderr, "mcanopen sim: out of memory\n");
+    if (result == SCANOPEN_CANNOT_START_DAEMON)
+        fprintf(stderr, "mcanopen sim: no thread for the files of --store\n");
     return result == SCANOPEN_OK;
 }
 
@@ -422,6 +447,17 @@ static bool take_defect(struct sim *self)
     return false;
 }
 
+static bool take_store(struct sim *self)
+{
+    struct stat status;
+
+    self->store = optarg;
+    if (stat(optarg, &status) == 0 && S_ISDIR(status.st_mode))
+        return true;
+    fprintf(stderr, "mcanopen sim: --store %s: expected a folder\n", optarg);
+    return false;
+}
+
 static bool take_net(struct sim *self)
 {
     uint8_t number;
@@ -453,6 +489,7 @@ static bool take_option(struct sim *self, int option, int argc, char **argv)
     case 'r': return take_value(self, SIM_RAMP);
     case 't': return take_value(self, SIM_TOGGLE);
     case 'd': return take_defect(self);
+    case 'S': return take_store(self);
     case 'q': self->quiet = true; return true;
     case 'v': self->verbose = true; return true;
     default: fputs(usage, stderr); return false;
@@ -461,14 +498,19 @@ static bool take_option(struct sim *self, int option, int argc, char **argv)
 
 static bool parse_options(struct sim *self, int argc, char **argv)
 {
-    static const struct option options[] = {
-        { "node", required_argument, NULL, 'n' },   { "without", required_argument, NULL, 'w' },
-        { "bus", required_argument, NULL, 'b' },    { "net", required_argument, NULL, 'N' },
-        { "set", required_argument, NULL, 's' },    { "ramp", required_argument, NULL, 'r' },
-        { "toggle", required_argument, NULL, 't' }, { "defect", required_argument, NULL, 'd' },
-        { "quiet", no_argument, NULL, 'q' },        { "verbose", no_argument, NULL, 'v' },
-        { "help", no_argument, NULL, 'h' },         { NULL, 0, NULL, 0 }
-    };
+    static const struct option options[] = { { "node", required_argument, NULL, 'n' },
+                                             { "without", required_argument, NULL, 'w' },
+                                             { "bus", required_argument, NULL, 'b' },
+                                             { "net", required_argument, NULL, 'N' },
+                                             { "set", required_argument, NULL, 's' },
+                                             { "ramp", required_argument, NULL, 'r' },
+                                             { "toggle", required_argument, NULL, 't' },
+                                             { "defect", required_argument, NULL, 'd' },
+                                             { "store", required_argument, NULL, 'S' },
+                                             { "quiet", no_argument, NULL, 'q' },
+                                             { "verbose", no_argument, NULL, 'v' },
+                                             { "help", no_argument, NULL, 'h' },
+                                             { NULL, 0, NULL, 0 } };
     int option;
     bool any = false;
 

@@ -65,6 +65,11 @@ bool check_is_readable(const struct conform_object *object)
     return object->access != OD_WO;
 }
 
+bool check_takes_signature(uint16_t index)
+{
+    return index == 0x1010 || index == 0x1011;
+}
+
 static bool is_writable_string(const struct conform_object *object)
 {
     return check_is_writable(object) && object->entry && (object->entry->flags & 1u) == 0 &&

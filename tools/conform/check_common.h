@@ -23,6 +23,9 @@ bool check_still_serves(struct conform *self);
 bool check_is_writable(const struct conform_object *object);
 bool check_is_readable(const struct conform_object *object);
 
+/* Orders, not values: 1010h and 1011h. */
+bool check_takes_signature(uint16_t index);
+
 /* The value has 'least' bytes, and not too many to be kept. NULL: none is known. */
 const struct conform_object *check_writable_string(struct conform *self, uint32_t least);
 

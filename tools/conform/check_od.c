@@ -204,7 +204,8 @@ static void look_beyond(struct findings *findings, const struct conform_object *
 
 static void look_at_limits(struct findings *findings, const struct conform_object *object)
 {
-    if (!check_is_writable(object) && object->access != OD_WO)
+    if ((!check_is_writable(object) && object->access != OD_WO) ||
+        check_takes_signature(object->index))
         return;
     look_beyond(findings, object, CHECK_ABOVE);
     look_beyond(findings, object, CHECK_BELOW);
@@ -220,13 +221,14 @@ static bool check_limits(struct conform *self)
 
 /* --- writing the defaults --- */
 
-/* Signatures, programs, and parameters of PDOs that are refused while the PDO is valid. */
+/* Signatures, the error history, programs, and parameters of PDOs that are refused while the PDO is valid. */
 static bool needs_procedure(const struct conform_object *object)
 {
     const uint16_t index = object->index;
 
-    return index == 0x1010 || index == 0x1011 || (index >= 0x1F50 && index <= 0x1F58) ||
-           (index >= 0x1600 && index <= 0x17FF) || (index >= 0x1A00 && index <= 0x1BFF) ||
+    return check_takes_signature(index) || index == 0x1003 ||
+           (index >= 0x1F50 && index <= 0x1F58) || (index >= 0x1600 && index <= 0x17FF) ||
+           (index >= 0x1A00 && index <= 0x1BFF) ||
            (index >= 0x1800 && index <= 0x19FF && (object->sub == 3 || object->sub == 6));
 }
 
@@ -328,9 +330,13 @@ static void look_at_sub_count(struct findings *findings, const struct conform_ob
     if (!is_first(self, object) || object->sub != 0 || highest == 0 || counts_in_use(object->index))
         return;
     result = conform_read(self, object->index, 0, &value);
-    if (result != SDO_OK || value.size != 1 || value.bytes[0] != highest) {
-        find(findings, "%04Xh:00: expected %02X, received %02X", object->index, highest,
-             value.bytes[0]);
+    if (result != SDO_OK) {
+        find_result(findings, object, "the highest sub-index", result);
+        return;
+    }
+    if (value.size != 1 || value.bytes[0] != highest) {
+        find(findings, "%04Xh:00: expected %02X, received %02X in %u bytes", object->index, highest,
+             value.bytes[0], (unsigned)value.size);
         return;
     }
     result = conform_read(self, object->index, (uint8_t)(highest + 1), &value);

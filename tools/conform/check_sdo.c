@@ -252,6 +252,7 @@ static const struct conform_object *limited(const struct conform *self, enum che
 
     for (size_t i = 0; i < self->object_count; i++)
         if (check_is_writable(&self->objects[i]) &&
+            !check_takes_signature(self->objects[i].index) &&
             check_beyond_limit(self, &self->objects[i], side, bytes, &size))
             return &self->objects[i];
     return NULL;
@@ -264,7 +265,8 @@ static bool check_above_limit(struct conform *self)
 
     if (object)
         return refuses_beyond(self, object, CHECK_ABOVE, codes);
-    if (!conform_has(self, 0x1003))
+    object = conform_find(self, 0x1003, 0);
+    if (!object || (object->access != CONFORM_UNKNOWN && !check_is_writable(object)))
         return conform_skip(self, "no object with a HighLimit is known: give one with --eds FILE");
     return conform_must_abort(self, "write FF to 1003h:00",
                               conform_write_number(self, 0x1003, 0, 1, 0xFF), codes);

@@ -41,6 +41,8 @@ static const struct device_entry entries[] = {
     { 0x1201, 3, OD_UNSIGNED8, OD_RW, 0, false },
     { 0x1280, 1, OD_UNSIGNED32, OD_RW, OFF, false },
     { 0x1280, 2, OD_UNSIGNED32, OD_RW, OFF, false },
+    { 0x1281, 1, OD_UNSIGNED32, OD_RW, 0, false }, /* not switched off, and the same twice */
+    { 0x1281, 2, OD_UNSIGNED32, OD_RW, 0, false },
     { 0x1400, 0, OD_UNSIGNED8, OD_CONST, 2, false },
     { 0x1400, 1, OD_UNSIGNED32, OD_RW, 0x205, false },
     { 0x1400, 2, OD_UNSIGNED8, OD_RW, 255, false },
@@ -181,6 +183,8 @@ static const struct {
     { 0x1280, 1, 4, 0x587, SDO_OK },
     { 0x1280, 1, 4, 0x707, SDO_INVALID_VALUE },
     { 0x1280, 1, 4, 0x20000607, SDO_INVALID_VALUE },
+    { 0x1281, 1, 4, 0, SDO_OK },
+    { 0x1281, 2, 4, 0, SDO_OK },
     /* PDO communication parameters. */
     { 0x1400, 1, 4, 0x205, SDO_OK },
     { 0x1400, 1, 4, 0x206, SDO_INVALID_VALUE },

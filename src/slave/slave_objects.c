@@ -72,16 +72,6 @@ bool slave_may_use(const struct od *od, uint32_t cob_id, bool transmit)
            (is_permitted(cob_id, ALL_FRAMES) && !slave_can_id_is_taken(&write));
 }
 
-/* Some devices come with identifiers that nobody may give them. */
-static sdo_abort_t check_can_id(const struct slave_write *write, enum frames frames)
-{
-    const bool own = slave_is_default(write->entry, write->value, write->size);
-
-    if (slave_can_id_is_taken(write))
-        return SDO_INVALID_VALUE;
-    return own || is_permitted(write->number, frames) ? SDO_OK : SDO_INVALID_VALUE;
-}
-
 static uint64_t present(const struct slave_write *write)
 {
     return od_number(write->od, write->entry->index, write->entry->sub, 0);
@@ -90,6 +80,19 @@ static uint64_t present(const struct slave_write *write)
 static bool changes(const struct slave_write *write, uint64_t bits)
 {
     return ((present(write) ^ write->number) & bits) != 0;
+}
+
+/* Some devices come with identifiers that nobody may give them, or with one for two objects: what
+ * is there can be written back. */
+static sdo_abort_t check_can_id(const struct slave_write *write, enum frames frames)
+{
+    const bool own = slave_is_default(write->entry, write->value, write->size);
+
+    if (!changes(write, UINT64_MAX))
+        return SDO_OK;
+    if (slave_can_id_is_taken(write))
+        return SDO_INVALID_VALUE;
+    return own || is_permitted(write->number, frames) ? SDO_OK : SDO_INVALID_VALUE;
 }
 
 /* Bits that are reserved, but kept where the device description has them set. */

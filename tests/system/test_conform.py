@@ -84,6 +84,29 @@ class Conform(plant.PlantTest):
         process = self.conform("--node", "6", *QUICK, code=3)
         self.assertIn("no answer from node 6", process.err.text())
 
+    def test_stopped(self):
+        """the user gives up: the device is reset, and what there is is told"""
+        dump = self.dump()
+        self.start_sim("--node", "5", DEVICE)
+        process = self.start([plant.MCANOPEN, "conform", "--bus", self.bus.name, "--node", "5"])
+        process.wait_for("sdo-short-frames")
+        self.assertEqual(process.stop(), 1, process.story())
+        self.assertIn("stopped before the end", process.err.text())
+        self.assertIn(" failed,", process.out.text())
+        dump.process.wait_until(lambda lines: [line.split()[2] for line in lines[-2:]] ==
+                                ["000#8105", "705#00"], "a last reset")
+
+    def test_dies(self):
+        """a device that dies ends the run with the check that it did not survive"""
+        sim = self.start_sim("--node", "5", DEVICE)
+        process = self.start([plant.MCANOPEN, "conform", "--bus", self.bus.name, "--node", "5",
+                              *QUICK])
+        process.wait_for("sdo-short-frames")
+        sim.kill()
+        self.assertEqual(process.wait(), 1, process.story())
+        self.assertIn("no answer from node 5", process.err.text())
+        self.assertIn("1 failed", process.out.text())
+
     def test_finding(self):
         """what was expected and received, the frames, and the summary"""
         self.start_sim("--node", "5", self.write("device.eds", deviating(*DEVIATIONS[0][:3])))

@@ -221,7 +221,7 @@ static bool check_limits(struct conform *self)
 
 /* --- writing the defaults --- */
 
-/* Signatures, the error history, programs, and parameters of PDOs that are refused while the PDO is valid. */
+/* Signatures, the error history, programs, and what is refused while its PDO is valid. */
 static bool needs_procedure(const struct conform_object *object)
 {
     const uint16_t index = object->index;

@@ -14,8 +14,10 @@ static bool is_stopped(struct conform *self)
 {
     struct pollfd fd = { .fd = self->signals, .events = POLLIN };
 
-    if (self->end == CONFORM_RUNS && self->signals >= 0 && poll(&fd, 1, 0) > 0)
+    if (self->end == CONFORM_RUNS && self->signals >= 0 && poll(&fd, 1, 0) > 0) {
         self->end = CONFORM_STOPPED;
+        snprintf(self->message, sizeof self->message, "stopped before the end");
+    }
     return self->end == CONFORM_STOPPED || self->end == CONFORM_BUS_LOST;
 }
 

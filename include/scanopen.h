@@ -79,8 +79,9 @@ MCANOPEN_API int canOpenCreateNodeEx(int iNetNo, int iModID, PFN_COS_EVENT_HANDL
 /*
  * Ours: a node with all objects and PDOs of its EDS or DCF file (CiA 306), with the DefaultValues.
  * Entries of the objects 2000h..9FFFh may be given handlers by canOpenInitDictionary; what the
- * application writes to a mapped entry is sent, as with AUTO_NOTIFY. Of *pSlaveInfo, which may be
- * NULL, only ulEventMask, usPdoRxQueueSize and, of ulOptions, PDO_ACCEPT_LONG are looked at. What is
+ * application writes to a mapped entry is sent, as with AUTO_NOTIFY. All SDO servers that the file
+ * has (1201h..127Fh) are served, and block transfers. Of *pSlaveInfo, which may be NULL, only
+ * ulEventMask, usPdoRxQueueSize and, of ulOptions, PDO_ACCEPT_LONG are looked at. What is
  * wrong in the file goes to the log (mcanOpenSetLog). Errors as above, and
  *
  *   SCANOPEN_WRONG_PARAMETER  also: the file cannot be read, or is no EDS or DCF file

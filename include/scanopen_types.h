@@ -195,7 +195,7 @@ typedef int (*PFN_COS_EVENT_HANDLER_OLD)(int NetAndNode, int Event, int Arg1, in
  * Flags of ulOptions, and of Options in canOpenCreateNode: which objects of the communication
  * profile a node has. 1000h, 1001h, 1014h, 1015h, 1018h and the PDO parameters are always there.
  */
-#define BLOCK_TRANSFER         0x00000001 /* SDO block transfer */
+#define BLOCK_TRANSFER         0x00000001 /* SDO servers serve block transfers */
 #define STATE_REGISTER         0x00000002 /* 1002h */
 #define ERROR_REGISTER         0x00000004 /* 1003h with ucMaxErrors entries */
 #define ADDITIONAL_PDOS        0x00000008 /* 1004h; canOpenCreateNode only */
@@ -204,7 +204,7 @@ typedef int (*PFN_COS_EVENT_HANDLER_OLD)(int NetAndNode, int Event, int Arg1, in
 #define GUARDING               0x00000040 /* 100Ch, 100Dh; 100Eh with canOpenCreateNode */
 #define PARAMETER_STORE        0x00000080 /* 1010h, 1020h */
 #define PARAMETER_RESET        0x00000100 /* 1011h */
-#define ADDITIONAL_SDOS        0x00000200 /* 1201h .. with ucServerSDO > 1 */
+#define ADDITIONAL_SDOS        0x00000200 /* 1201h .. with ucServerSDO > 1: clients open them */
 #define SYNC_GENERATION        0x00000400 /* 1005h to 1007h, as SYNC producer */
 #define CONSUMER_HEARTBEAT     0x00000800 /* 1016h with ucMaxConsumerHB entries */
 #define PRODUCER_HEARTBEAT     0x00001000 /* 1017h */

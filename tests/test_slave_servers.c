@@ -11,6 +11,8 @@
 #define OFF 0x80000000u
 
 static const struct device_entry entries[] = {
+    { 0x1003, 0, OD_UNSIGNED8, OD_RW, 0, false },
+    { 0x1003, 1, OD_UNSIGNED32, OD_RO, 0, false },
     { 0x1010, 1, OD_UNSIGNED32, OD_RW, 1, false },
     { 0x1201, 0, OD_UNSIGNED8, OD_CONST, 3, false },
     { 0x1201, 1, OD_UNSIGNED32, OD_RW, OFF, false },
@@ -217,8 +219,24 @@ static const struct device_talk talks[] = {
       { BOOT, { 1, HEARS, "6A0#40012000" }, { 1, HEARS, "6A0#R8" },
         { 1, HEARS, "000006A0#4001200000000000" }, { 1, ECHOES, "6A0#4001200000000000" },
         { 1, HEARS, "6A1#4001200000000000" }, { 3000, QUIET, "-" } } },
+    { "block transfers on two channels",
+      { BOOT, { 1, HEARS, "6A0#A404200004000000" }, { 1, SENDS, "6A1#C604200008000000" },
+        { 2, HEARS, "605#C604200008000000" }, { 2, SENDS, "585#A40420007F000000" },
+        { 3, HEARS, "6A0#A300000000000000" }, { 3, SENDS, "6A1#0130313233000000" },
+        { 3, SENDS, "6A1#8200000000000000" }, { 4, HEARS, "605#0141424344454647" },
+        { 5, HEARS, "6A0#A202040000000000" }, { 5, SENDS, "6A1#D9C0E10000000000" },
+        { 6, HEARS, "605#8248000000000000" }, { 6, SENDS, "585#A2027F0000000000" },
+        { 7, HEARS, "6A0#A100000000000000" },
+        { 8, HEARS, "605#D9D1100000000000" }, { 8, SENDS, "585#A100000000000000" },
+        { 8, TELLS, "written 2004:00 = 5208208757389214273" } } },
+    { "a segment that looks like a request for an error",
+      { BOOT, { 1, HEARS, "605#C010200000000000" }, { 1, SENDS, "585#A41020007F000000" },
+        { 2, HEARS, "605#4003100100000000" }, { 3, QUIET, "-" },
+        { 3, HEARS, "605#8010200000000000" } } },
     { "errors that there are not",
-      { BOOT, { 1, HEARS, "6A0#4003100100000000" }, { 1, SENDS, "6A1#8003100100000206" } } },
+      { BOOT, { 1, HEARS, "6A0#4003100100000000" }, { 1, SENDS, "6A1#8003100124000008" },
+        { 2, HEARS, "6A0#A403100104000000" }, { 2, SENDS, "6A1#8003100124000008" },
+        { 3, HEARS, "6A0#4003100000000000" }, { 3, SENDS, "6A1#4F03100000000000" } } },
 };
 /* clang-format on */
 
@@ -309,6 +327,33 @@ START_TEST(a_buffer_that_there_is_not)
 }
 END_TEST
 
+START_TEST(blocks_can_be_left_to_others)
+{
+    slave_serve_blocks(&device.slave, false);
+    expect_answer("6A0#A404200004000000", "6A1#8004200001000405");
+    expect_answer("605#C604200008000000", "585#8004200001000405");
+    slave_serve_blocks(&device.slave, true);
+    expect_answer("6A0#A404200004000000", "6A1#C604200008000000");
+}
+END_TEST
+
+/* As many segments as there is room for, and the rest when there is again. */
+START_TEST(a_block_with_little_room)
+{
+    device_hear(&device, "605#A410200020000000");
+    device_do(&device, "give 1 14");
+    device_drain(&device);
+    device_fill(&device, 2, 2);
+    device_hear(&device, "605#A300000000000000");
+    ck_assert_uint_eq(slave_deadline(&device.slave), 0);
+    device_drain(&device);
+    device_forget(&device);
+    device_run(&device, device.now);
+    ck_assert_str_eq(device_next_frame(&device, NULL), "585#834F505152535400");
+    ck_assert_str_eq(device_next_frame(&device, NULL), "");
+}
+END_TEST
+
 /* Whatever asks: a full outbox is told with a counter, and the transfer goes on. */
 START_TEST(without_room)
 {
@@ -391,6 +436,8 @@ int main(void)
     tcase_add_test(tcase, what_it_listens_to);
     tcase_add_test(tcase, a_buffer_comes_with_the_first_request);
     tcase_add_test(tcase, a_buffer_that_there_is_not);
+    tcase_add_test(tcase, blocks_can_be_left_to_others);
+    tcase_add_test(tcase, a_block_with_little_room);
     tcase_add_test(tcase, without_room);
     tcase_add_test(tcase, resets_leave_the_owner_its_value);
     tcase_add_test(tcase, a_value_without_room);

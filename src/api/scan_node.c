@@ -158,6 +158,7 @@ static int activate(struct scan_node *node, co_us_t now, struct co_outbox *out)
         return SCANOPEN_OUT_OF_MEMORY;
     node->slave.accept_long = (node->options & PDO_ACCEPT_LONG) != 0;
     node->slave.assume_sync = node->from_file; /* many files leave 1005h out */
+    slave_serve_blocks(&node->slave, node->from_file || (node->options & BLOCK_TRANSFER) != 0);
     scan_set_pdo_flags(node);
     if (!scan_make_questions(node) ||
         network_set_slave(node->net->network, node->id, &node->slave) != CO_OK) {

@@ -222,6 +222,9 @@ void slave_done(struct slave *self);
 /* 1016h is its owner's to watch: the device reports no heartbeats and does nothing about them. */
 void slave_leave_heartbeats(struct slave *self);
 
+/* Whether SDO block transfers are; they are until this says otherwise. */
+void slave_serve_blocks(struct slave *self, bool served);
+
 /* Power on: reset node, boot-up, pre-operational. */
 void slave_start(struct slave *self, co_us_t now, struct co_outbox *out);
 /* The same with the values that the dictionary has, not the power-on values. */

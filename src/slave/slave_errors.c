@@ -18,7 +18,8 @@
 #define STICKY_LOST             0x02u /* of the second one */
 #define OF_APPLICATION          0xE0u /* in both of them */
 
-#define SDO_UPLOAD 0x40u
+#define SDO_UPLOAD       0x40u /* initiates, without their flags */
+#define SDO_BLOCK_UPLOAD 0xA0u
 
 enum error_behaviour { TO_PREOPERATIONAL = 0, NO_CHANGE = 1, TO_STOPPED = 2 };
 
@@ -225,10 +226,10 @@ enum co_err slave_pdos_taken(struct slave *self, co_us_t now, struct co_outbox *
 bool slave_history_lacks(const struct slave *self, const struct co_frame *request)
 {
     const uint8_t *data = request->data;
+    const bool upload = (data[0] & 0xE0u) == SDO_UPLOAD || (data[0] & 0xE3u) == SDO_BLOCK_UPLOAD;
 
-    return request->dlc == 8 && (request->flags & CO_FRAME_RTR) == 0 &&
-           (data[0] & 0xE0u) == SDO_UPLOAD && get_le16(data + 1) == 0x1003 &&
-           od_find(self->od, 0x1003, data[3]) != NULL &&
+    return request->dlc == 8 && (request->flags & CO_FRAME_RTR) == 0 && upload &&
+           get_le16(data + 1) == 0x1003 && od_find(self->od, 0x1003, data[3]) != NULL &&
            data[3] > od_number(self->od, 0x1003, 0, UINT8_MAX);
 }
 

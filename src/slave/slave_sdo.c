@@ -6,7 +6,9 @@
 
 #include <string.h>
 
-/* Outbox room for what one request may cause. */
+#define SEGMENTS 32u /* of a block upload, in one step */
+
+/* Outbox room for what one request may cause, besides segments. */
 static bool has_room(const struct co_outbox *out)
 {
     return co_outbox_room(out, 2, 2);
@@ -236,11 +238,12 @@ void slave_give(struct slave *self, struct slave_transfer transfer, const struct
 static void step_server(struct slave *self, struct slave_channel *channel,
                         const struct co_frame *request, co_us_t now, struct co_outbox *out)
 {
-    struct co_frame frames[2], frame;
+    const unsigned room = out->frame_capacity - out->frame_count;
+    struct co_frame frames[SEGMENTS], frame;
     struct co_event events[2], event;
     struct co_outbox inner;
 
-    co_outbox_init(&inner, frames, 2, events, 2);
+    co_outbox_init(&inner, frames, room < SEGMENTS ? room : SEGMENTS, events, 2);
     if (request != NULL)
         sdo_server_on_frame(&channel->server, request, now, &inner);
     else
@@ -277,7 +280,7 @@ void slave_serve(struct slave *self, struct slave_channel *channel, const struct
     slave_give_buffer(self, channel); /* without one, what needs it is refused */
     if (!has_room(out))
         channel->server.dropped++;
-    else if (slave_history_lacks(self, request))
+    else if (channel->server.state != SDO_SERVER_BLOCK_DOWN && slave_history_lacks(self, request))
         refuse_history(channel, request, now, out);
     else
         step_server(self, channel, request, now, out);

@@ -39,6 +39,13 @@ static void make_channel(struct slave *self, uint16_t index)
     channel->index = index;
     sdo_server_init(&channel->server, self->od, index == DEFAULT_SERVER ? self->node : 0, NULL, 0);
     sdo_server_enable(&channel->server, false);
+    channel->server.block = true;
+}
+
+void slave_serve_blocks(struct slave *self, bool served)
+{
+    for (unsigned i = 0; i < self->channel_count; i++)
+        self->channels[i].server.block = served;
 }
 
 enum co_err slave_make_channels(struct slave *self)

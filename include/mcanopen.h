@@ -52,7 +52,7 @@ extern "C" {
 #define MCAL_OBJ_NO_MEMORY     (-10) /* no memory, thread or other resource of the system */
 #define MCAL_NODE_NOT_EXISTEND (-11) /* the node is not in the configuration of this net */
 #define MCAL_NO_EVENT          (-12) /* no event is waiting */
-#define MCAL_UNSUPPORTED       (-13) /* a call that waits, from a callback; TYP_BLOCK */
+#define MCAL_UNSUPPORTED       (-13) /* a call that waits, from a callback */
 #define MCAL_NODE_NOT_FREE     (-22) /* not now, the state of manager or node forbids it */
 /* SDO transfers */
 #define MCAL_WRONG_SERVER_ANSWER (-14) /* the node's answer breaks the SDO protocol */
@@ -301,6 +301,10 @@ MCANOPEN_API int mcanOpenGetNodeState(int net, int nodeID, int *state);
  * 200 ms. The time starts when the transfer's turn has come: a node serves one at a time. With the
  * manager's own node-ID its own dictionary is read, over the bus as well. error may be NULL. Waits.
  *
+ * subindex | TYP_BLOCK (ours) asks for a block transfer, with SDO_Block_Size segments in a block
+ * where the configuration has it, else 127. A node that refuses that is read in segments; until it
+ * boots again it is not asked for blocks any more.
+ *
  *   MCAL_ABORT_DOMAIN         the node aborted; *error has its code
  *   MCAL_BUFFER_OVERFLOW      the data is longer than *len: aborted with 05040005h, buffer is
  *                             untouched, *len is the size needed where the node has told it
@@ -322,12 +326,12 @@ MCANOPEN_API int mcanOpenReadSDO(unsigned short net, unsigned short modID, int i
  * type is TYP_...: where it has a size of its own and len is 0, that many bytes are written, else
  * len bytes (1 and up). Up to 4 bytes go expedited, more in segments. TYP_INDICATE_SIZE and
  * TYP_INDICATE_NO_SIZE tell whether the first frame carries the size; without them it does when
- * expedited and does not in segments. TYP_BLOCK (ours), for a block transfer, is not supported yet.
- * A transfer is never repeated once data was sent.
+ * expedited and in blocks, and does not in segments. TYP_BLOCK (ours) asks for a block transfer,
+ * whatever the length; a node that refuses that is written as without, and remembered as in
+ * mcanOpenReadSDO. A transfer is never repeated once data was sent.
  *
  *   MCAL_PARA_ERROR  also: unknown type or flags, both size flags, len < 0, len 0 for a type
  *                    without a size
- *   MCAL_UNSUPPORTED  also: TYP_BLOCK
  */
 MCANOPEN_API int mcanOpenWriteSDO(unsigned short net, unsigned short modID, int index, int subindex,
                                   int type, const void *buffer, int len, ERROR_T *error);

@@ -75,7 +75,8 @@ typedef void VOID;
 #define TYP_UINT56         0x1A /* 7 */
 #define TYP_UINT64         0x1B /* 8 */
 
-/* Flags of mcanOpenWriteSDO, above the type. The first two exclude each other. */
+/* Flags of mcanOpenWriteSDO, above the type. The first two exclude each other; the third one is also
+ * for mcanOpenReadSDO, above the sub-index. */
 #define TYP_INDICATE_SIZE    0x0100 /* tell the server the size when the transfer begins */
 #define TYP_INDICATE_NO_SIZE 0x0200 /* leave the size out */
 #define TYP_BLOCK            0x0400 /* ours: try a block transfer first (CiA 301, 7.2.4) */

@@ -27,6 +27,7 @@ static void set_up(void)
     api_add_device(plant, 6);
     api_devices_start(plant);
     api_boot(plant, API_NODE(5) API_NODE_WITH(7, "<SDO_Timeout>50</SDO_Timeout>"
+                                                 "<SDO_Block_Size>9</SDO_Block_Size>"
                                                  "<NMT_Auto_Start_Slave>FALSE"
                                                  "</NMT_Auto_Start_Slave>"));
 }
@@ -311,6 +312,66 @@ START_TEST(what_was_written_is_there)
 }
 END_TEST
 
+/* --- in blocks --- */
+
+START_TEST(a_block_is_written)
+{
+    api_wire_answer(wire, "607#C600200008", "587#A40020007F000000");
+    api_wire_answer(wire, "607#8248", "587#A2027F0000000000");
+    api_wire_answer(wire, "607#D9D110", "587#A100000000000000");
+    ck_assert_int_eq(mcanOpenWriteSDO(0, 7, 0x2000, 0, TYP_UINT64 | TYP_BLOCK, "ABCDEFGH", 0, NULL),
+                     MCANOPEN_OK);
+    ck_assert_uint_eq(api_wire_count(wire, "607#0141424344454647"), 1);
+    api_wire_answer(wire, "607#C400200000", "587#A40020007F000000");
+    ck_assert_int_eq(mcanOpenWriteSDO(0, 7, 0x2000, 0,
+                                      TYP_UINT64 | TYP_BLOCK | TYP_INDICATE_NO_SIZE, "ABCDEFGH", 0,
+                                      NULL),
+                     MCANOPEN_OK);
+}
+END_TEST
+
+/* Of the size in the configuration, and without one of the largest. */
+START_TEST(a_block_is_read)
+{
+    char buffer[10] = "";
+    int len = sizeof buffer;
+
+    api_wire_answer(wire, "607#A410200009", "587#C610200007000000");
+    api_wire_answer(wire, "607#A300", "587#8141424344454647");
+    api_wire_answer(wire, "607#A20109", "587#C11EB60000000000");
+    ck_assert_int_eq(mcanOpenReadSDO(0, 7, 0x2010, 0 | TYP_BLOCK, buffer, &len, NULL), MCANOPEN_OK);
+    ck_assert_int_eq(len, 7);
+    ck_assert_str_eq(buffer, "ABCDEFG");
+    api_wire_wait(wire, "607#A100", 1);
+    api_wire_answer(wire, "608#A41020037F", "588#8010200311000906");
+    ck_assert_int_eq(mcanOpenReadSDO(0, 8, 0x2010, 3 | TYP_BLOCK, buffer, &len, NULL),
+                     MCAL_ABORT_DOMAIN);
+}
+END_TEST
+
+/* Asked for once, and again when the node has booted. */
+START_TEST(a_node_without_blocks_is_remembered)
+{
+    unsigned char buffer[8];
+    int len = sizeof buffer;
+    const int type = TYP_UINT16 | TYP_BLOCK;
+
+    api_wire_answer(wire, "608#C600200002", "588#8000200001000405");
+    api_wire_answer(wire, "608#2B002000", "588#6000200000000000");
+    api_wire_answer(wire, "608#40002000", "588#4B00200041420000");
+    ck_assert_int_eq(mcanOpenWriteSDO(0, 8, 0x2000, 0, type, "AB", 0, NULL), MCANOPEN_OK);
+    ck_assert_int_eq(mcanOpenWriteSDO(0, 8, 0x2000, 0, type, "AB", 0, NULL), MCANOPEN_OK);
+    ck_assert_int_eq(mcanOpenReadSDO(0, 8, 0x2000, TYP_BLOCK, buffer, &len, NULL), MCANOPEN_OK);
+    ck_assert_uint_eq(api_wire_count(wire, "608#C6"), 1);
+    ck_assert_uint_eq(api_wire_count(wire, "608#A4"), 0);
+    api_wire_say(wire, "708#00");
+    len = sizeof buffer; /* an answer behind that message */
+    ck_assert_int_eq(mcanOpenReadSDO(0, 5, 0x1000, 0, buffer, &len, NULL), MCANOPEN_OK);
+    ck_assert_int_eq(mcanOpenWriteSDO(0, 8, 0x2000, 0, type, "AB", 0, NULL), MCANOPEN_OK);
+    ck_assert_uint_eq(api_wire_count(wire, "608#C6"), 2);
+}
+END_TEST
+
 START_TEST(the_managers_own_dictionary_answers)
 {
     unsigned char buffer[4];
@@ -334,13 +395,13 @@ static const struct arguments {
     unsigned short net, node;
     int index, sub, result;
 } arguments[] = {
-    { 1, 5, 0x1000, 0, MCAL_NO_NET },          { 255, 5, 0x1000, 0, MCAL_NO_NET },
-    { 256, 5, 0x1000, 0, MCAL_PARA_ERROR },    { 65535, 5, 0x1000, 0, MCAL_PARA_ERROR },
-    { 0, 0, 0x1000, 0, MCAL_PARA_ERROR },      { 0, 128, 0x1000, 0, MCAL_PARA_ERROR },
-    { 0, 65535, 0x1000, 0, MCAL_PARA_ERROR },  { 0, 5, -1, 0, MCAL_PARA_ERROR },
-    { 0, 5, 0x10000, 0, MCAL_PARA_ERROR },     { 0, 5, 0x1000, -1, MCAL_PARA_ERROR },
-    { 0, 5, 0x1000, 0x100, MCAL_PARA_ERROR },  { 0, 5, 0, 0, MCAL_ABORT_DOMAIN },
-    { 0, 5, 0xFFFF, 0xFF, MCAL_ABORT_DOMAIN },
+    { 1, 5, 0x1000, 0, MCAL_NO_NET },         { 255, 5, 0x1000, 0, MCAL_NO_NET },
+    { 256, 5, 0x1000, 0, MCAL_PARA_ERROR },   { 65535, 5, 0x1000, 0, MCAL_PARA_ERROR },
+    { 0, 0, 0x1000, 0, MCAL_PARA_ERROR },     { 0, 128, 0x1000, 0, MCAL_PARA_ERROR },
+    { 0, 65535, 0x1000, 0, MCAL_PARA_ERROR }, { 0, 5, -1, 0, MCAL_PARA_ERROR },
+    { 0, 5, 0x10000, 0, MCAL_PARA_ERROR },    { 0, 5, 0x1000, -1, MCAL_PARA_ERROR },
+    { 0, 5, 0x1000, 0x100, MCAL_PARA_ERROR }, { 0, 5, 0x1000, 0x500, MCAL_PARA_ERROR },
+    { 0, 5, 0, 0, MCAL_ABORT_DOMAIN },        { 0, 5, 0xFFFF, 0xFF, MCAL_ABORT_DOMAIN },
 };
 
 START_TEST(arguments_out_of_range)
@@ -394,6 +455,9 @@ int main(void)
     tcase_add_loop_test(tests, a_type_has_its_length_and_flags, 0, ROWS(writes));
     tcase_add_loop_test(tests, wrong_types_and_lengths_are_refused, 0, ROWS(refused));
     tcase_add_test(tests, what_was_written_is_there);
+    tcase_add_test(tests, a_block_is_written);
+    tcase_add_test(tests, a_block_is_read);
+    tcase_add_test(tests, a_node_without_blocks_is_remembered);
     tcase_add_test(tests, the_managers_own_dictionary_answers);
     tcase_add_loop_test(tests, arguments_out_of_range, 0, ROWS(arguments));
     tcase_add_test(tests, missing_buffers);

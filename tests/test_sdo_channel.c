@@ -38,6 +38,24 @@ static void submit(unsigned i)
     sdo_channel_submit(&channel, &requests[i], now, &out);
 }
 
+static void submit_block(unsigned i)
+{
+    requests[i].transfer = (struct sdo_transfer){ .index = (uint16_t)(0x2000 + i),
+                                                  .block = 8,
+                                                  .buffer = buffers[i],
+                                                  .size = 8,
+                                                  .timeout = CO_MS(100) };
+    sdo_channel_submit(&channel, &requests[i], now, &out);
+}
+
+/* Without a bus: the number of the request that ended. */
+static int give_up(void)
+{
+    struct sdo_request *request = sdo_channel_give_up(&channel);
+
+    return request ? (int)(request - requests) : -1;
+}
+
 static void expect_frame(const char *text)
 {
     struct co_frame frame, expected;
@@ -260,6 +278,40 @@ START_TEST(test_cancel_ended)
 }
 END_TEST
 
+/* A node that has no blocks is asked for them once, until it may be another one. */
+START_TEST(test_no_blocks)
+{
+    submit_block(0);
+    expect_frame("605#A400200008000000");
+    submit_block(1);
+    submit_block(2);
+    receive("585#8000200001000405", false);
+    expect_frame("605#4000200000000000");
+    receive("585#4F00200007000000", false);
+    ck_assert_int_eq(next_done(), 0);
+    ck_assert_uint_eq(buffers[0][0], 7);
+    expect_frame("605#4001200000000000");
+    ck_assert_int_eq(give_up(), 1);
+    sdo_channel_forget(&channel);
+    ck_assert_int_eq(give_up(), 2);
+    submit_block(0);
+    expect_frame("605#A400200008000000");
+}
+END_TEST
+
+/* The client's settings outlive its transfers. */
+START_TEST(test_reserve)
+{
+    channel.client.reserve = 5;
+    submit(0);
+    ck_assert(sdo_channel_cancel(&channel, &requests[0], SDO_OK, now, &out));
+    ck_assert_uint_eq(channel.client.reserve, 5);
+    submit(0);
+    ck_assert_int_eq(give_up(), 0);
+    ck_assert_uint_eq(channel.client.reserve, 5);
+}
+END_TEST
+
 /* No room to tell the server: not now, and nothing has changed. */
 START_TEST(test_cancel_without_room)
 {
@@ -317,6 +369,8 @@ int main(void)
     tcase_add_loop_test(tcase, test_cancel_running, 0, 2);
     tcase_add_test(tcase, test_cancel_segments);
     tcase_add_loop_test(tcase, test_cancel_ended, 0, 2);
+    tcase_add_test(tcase, test_no_blocks);
+    tcase_add_test(tcase, test_reserve);
     tcase_add_test(tcase, test_cancel_without_room);
     tcase_add_test(tcase, test_cancel_with_end_untold);
     return suite_run("sdo_channel", tcase);

@@ -13,6 +13,7 @@
 
 struct call { /* what both directions have in common */
     int net, node, index, sub;
+    bool block;
     ERROR_T *error;
 };
 
@@ -31,6 +32,13 @@ static co_us_t timeout_of(const struct managed *managed, int node, co_us_t other
     const struct node_config *config = network_config_node(managed->config, (uint8_t)node);
 
     return config ? CO_MS(config->sdo_timeout) : otherwise;
+}
+
+static uint8_t block_size(const struct managed *managed, int node)
+{
+    const struct node_config *config = network_config_node(managed->config, (uint8_t)node);
+
+    return config && config->sdo_block_size > 0 ? config->sdo_block_size : SDO_BLOCK_MAX;
 }
 
 /* Under the network's lock. */
@@ -77,6 +85,8 @@ static int run(const struct call *call, struct sdo_request *request, co_us_t tim
         return result;
     request->transfer.index = (uint16_t)call->index;
     request->transfer.sub = (uint8_t)call->sub;
+    if (call->block)
+        request->transfer.block = block_size(managed, call->node);
     request->transfer.timeout = timeout_of(managed, call->node, timeout);
     result = transfer(managed, call, request);
     registry_leave();
@@ -102,7 +112,9 @@ static int read_into(const struct call *call, uint8_t *own, void *buffer, int *l
 int mcanOpenReadSDO(unsigned short net, unsigned short modID, int index, int subindex, void *buffer,
                     int *len, ERROR_T *error)
 {
-    const struct call call = { net, modID, index, subindex, error };
+    const bool block = subindex >= 0 && (subindex & TYP_BLOCK) != 0;
+    const struct call call = { net,   modID, index, block ? subindex & ~TYP_BLOCK : subindex,
+                               block, error };
     int result = check(&call);
     uint8_t *own;
 
@@ -142,8 +154,6 @@ static int check_type(int type, const void *buffer, int *len)
         return MCAL_PARA_ERROR;
     if ((type & TYP_INDICATE_SIZE) && (type & TYP_INDICATE_NO_SIZE))
         return MCAL_PARA_ERROR;
-    if (type & TYP_BLOCK)
-        return MCAL_UNSUPPORTED;
     if (*len == 0)
         *len = size;
     return *len > 0 ? MCANOPEN_OK : MCAL_PARA_ERROR;
@@ -152,7 +162,7 @@ static int check_type(int type, const void *buffer, int *len)
 int mcanOpenWriteSDO(unsigned short net, unsigned short modID, int index, int subindex, int type,
                      const void *buffer, int len, ERROR_T *error)
 {
-    const struct call call = { net, modID, index, subindex, error };
+    const struct call call = { net, modID, index, subindex, (type & TYP_BLOCK) != 0, error };
     struct sdo_request request = { .transfer = { .download = true } };
     int result = check(&call);
 

@@ -12,10 +12,17 @@ co_us_t configure_node_timeout(const struct node_config *config, uint16_t index)
     return flash && timeout < BOOT_FLASH_TIMEOUT ? BOOT_FLASH_TIMEOUT : timeout;
 }
 
+/* What fits into one frame goes without. */
+static uint8_t blocks_for(const struct node_config *config, uint32_t size)
+{
+    return size > 4 ? config->sdo_block_size : 0;
+}
+
 static void write_object(struct boot_node *self, const struct ccf_entry *entry)
 {
     struct sdo_transfer transfer = { .download = true,
                                      .indicate_size = self->config->indicate_size,
+                                     .block = blocks_for(self->config, entry->size),
                                      .index = entry->index,
                                      .sub = entry->sub,
                                      .source = entry->value,

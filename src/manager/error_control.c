@@ -14,6 +14,7 @@ static void on_boot_up(struct manager *self, uint8_t node_id, const struct co_fr
     put_event(self, (struct co_event){ .type = MANAGER_NODE_BOOT_UP,
                                        .node = node_id,
                                        .actual = node->config != NULL });
+    sdo_channel_forget(&self->channels[node_id]);
     if (!node->config)
         return;
     boot_node_on_boot_up(node, frame, now, &self->inner);

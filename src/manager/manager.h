@@ -29,7 +29,7 @@
 #include "manager/sdo_channel.h"
 #include "slave/slave.h"
 
-#define MANAGER_INNER_FRAMES 256u
+#define MANAGER_INNER_FRAMES 512u /* half of them for segments of block transfers */
 #define MANAGER_INNER_EVENTS 2048u
 
 enum boot_network_state {

@@ -14,7 +14,6 @@ static const struct not_yet {
     { "Software_Identification", false, "the software check is not supported yet" },
     { "Software_File", false, "the software update is not supported yet" },
     { "Verify_Configuration", false, "comparing before writing is not supported yet" },
-    { "SDO_Block_Size", false, "SDO block transfer is not supported yet" },
 };
 
 /* The line of a valid element; 0: not there. */

@@ -10,6 +10,20 @@ void sdo_channel_init(struct sdo_channel *self, uint8_t node)
     sdo_client_init(&self->client, node);
 }
 
+void sdo_channel_forget(struct sdo_channel *self)
+{
+    self->no_blocks = false;
+}
+
+/* Ends what the client does, silently. */
+static void drop_transfer(struct sdo_channel *self)
+{
+    const unsigned reserve = self->client.reserve;
+
+    sdo_client_init(&self->client, self->client.node);
+    self->client.reserve = reserve;
+}
+
 static void start_next(struct sdo_channel *self, co_us_t now, struct co_outbox *out)
 {
     struct sdo_request *request = self->first;
@@ -22,6 +36,8 @@ static void start_next(struct sdo_channel *self, co_us_t now, struct co_outbox *
     request->next = NULL;
     request->state = REQUEST_RUNNING;
     self->running = request;
+    if (self->no_blocks)
+        request->transfer.block = 0;
     sdo_client_start(&self->client, &request->transfer, now, out);
 }
 
@@ -61,7 +77,7 @@ static bool end_running(struct sdo_channel *self, sdo_abort_t code, struct co_ou
     bool busy = sdo_client_busy(&self->client);
 
     if (busy && code == SDO_OK) {
-        sdo_client_init(&self->client, self->client.node); /* the server has forgotten it too */
+        drop_transfer(self); /* the server has forgotten it too */
         return true;
     }
     if (busy && !sdo_client_cancel(&self->client, code, out))
@@ -102,6 +118,7 @@ struct sdo_request *sdo_channel_on_done(struct sdo_channel *self, const struct c
 {
     struct sdo_request *request = self->running;
 
+    self->no_blocks |= event->expected != 0;
     if (self->cancelled > 0) { /* the end of what sdo_channel_cancel() took out */
         self->cancelled--;
         start_next(self, now, out);
@@ -131,7 +148,7 @@ struct sdo_request *sdo_channel_give_up(struct sdo_channel *self)
     struct sdo_request *request = self->running;
 
     if (request) {
-        sdo_client_init(&self->client, self->client.node);
+        drop_transfer(self);
         self->running = NULL;
     } else {
         request = self->first;

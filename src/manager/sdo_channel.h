@@ -5,7 +5,8 @@
  *   out  the ended request, with its result
  *
  * A request belongs to who made it and must stay until it is DONE or cancelled. Its time-out starts
- * when its turn comes.
+ * when its turn comes. When a node has shown that it has no block transfers, none is asked for
+ * again until sdo_channel_forget().
  */
 #ifndef CO_MANAGER_SDO_CHANNEL_H
 #define CO_MANAGER_SDO_CHANNEL_H
@@ -25,10 +26,13 @@ struct sdo_channel {
     struct sdo_client client;
     struct sdo_request *running;
     struct sdo_request *first, *last; /* waiting */
+    bool no_blocks;
     unsigned cancelled; /* PROTO_SDO_DONE still to come for requests that were taken out */
 };
 
 void sdo_channel_init(struct sdo_channel *self, uint8_t node);
+/* The node has started anew: it may be another one. */
+void sdo_channel_forget(struct sdo_channel *self);
 void sdo_channel_submit(struct sdo_channel *self, struct sdo_request *request, co_us_t now,
                         struct co_outbox *out);
 /*

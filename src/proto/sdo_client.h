@@ -27,7 +27,8 @@
  *   owner    the manager: one client for each remote node
  *   locking  none; the owner's
  *
- * The segments of a block download fill what room there is in the outbox, as those of a server.
+ * The segments of a block download fill what room there is in the outbox but for 'reserve', as
+ * those of a server.
  */
 #ifndef CO_PROTO_SDO_CLIENT_H
 #define CO_PROTO_SDO_CLIENT_H
@@ -78,10 +79,12 @@ struct sdo_transfer {
 
 struct sdo_client {
     uint8_t node;
-    uint8_t state;       /* enum sdo_client_state */
-    bool unsent;         /* a request is due, or segments are, that found no room in the outbox */
-    bool on_wire;        /* the last request was confirmed; the time-out runs */
-    bool toggle;         /* bit of the segment asked for, or sent, last */
+    unsigned
+        reserve;   /* set by the owner: room for frames that segments of a block leave to others */
+    uint8_t state; /* enum sdo_client_state */
+    bool unsent;   /* a request is due, or segments are, that found no room in the outbox */
+    bool on_wire;  /* the last request was confirmed; the time-out runs */
+    bool toggle;   /* bit of the segment asked for, or sent, last */
     bool owes_segment;   /* the transfer before ended without the answer to its last segment */
     bool in_blocks;      /* asked for, and not refused so far */
     sdo_abort_t refusal; /* of blocks; the transfer goes on without */

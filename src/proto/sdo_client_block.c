@@ -33,7 +33,7 @@ void sdo_client_send_segments(struct sdo_client *self, co_us_t now, struct co_ou
 {
     struct co_frame frame = co_frame_make(SDO_REQUEST_ID + self->node, 8);
 
-    while (block_sender_has_segment(&self->sender) && co_outbox_room(out, 1, 0)) {
+    while (block_sender_has_segment(&self->sender) && co_outbox_room(out, 1 + self->reserve, 0)) {
         block_sender_take_segment(&self->sender, self->request);
         memcpy(frame.data, self->request, sizeof frame.data);
         co_outbox_put_frame(out, &frame);

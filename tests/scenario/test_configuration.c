@@ -173,6 +173,46 @@ START_TEST(test_slow_flash)
 }
 END_TEST
 
+#define TEXT "a text of more than four bytes"
+
+/* SDO_Block_Size: in blocks what is longer than 4 bytes, if the device has them. */
+static const struct blocks {
+    const char *node;
+    bool served;
+    unsigned in_blocks, in_segments;
+} blocks[] = {
+    { "<SDO_Block_Size>8</SDO_Block_Size>", true, 2, 0 },
+    { "<SDO_Block_Size>8</SDO_Block_Size>", false, 1, 2 },
+    { "", true, 0, 2 },
+};
+
+START_TEST(test_blocks)
+{
+    const struct blocks *row = &blocks[_i];
+    const struct od_spec spec = {
+        .index = 0x2010, .type = OD_VISIBLE_STRING, .access = OD_RW, .capacity = 100
+    };
+    struct plant *plant = make_plant(row->node);
+    struct ccf *ccf = &plant->config->nodes[0].ccf;
+    struct slave *slave = &plant->devices[5]->slave;
+    struct od_entry *entry;
+
+    ck_assert_int_eq(od_add(slave->od, &spec, &entry), CO_OK);
+    for (unsigned i = 0; i < 2; i++)
+        ck_assert_int_eq(ccf_append(ccf, 0x2010, 0, (const uint8_t *)TEXT, sizeof TEXT - 1), CO_OK);
+    slave->channels[0].server.block = row->served;
+    plant_power_on(plant);
+    plant_run_ms(plant, 1500);
+    watch_expect_up(plant, row->node);
+    ck_assert_uint_eq(entry->size, sizeof TEXT - 1);
+    ck_assert_mem_eq(entry->value, TEXT, sizeof TEXT - 1);
+    ck_assert_uint_eq(plant_sent(plant, "605#C61020001E"), row->in_blocks);
+    ck_assert_uint_eq(plant_sent(plant, "605#211020001E"), row->in_segments);
+    ck_assert_uint_eq(plant_sent(plant, "605#2F006201"), 1);
+    plant_free(plant);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tcase = tcase_create("configuration");
@@ -181,6 +221,7 @@ int main(void)
     tcase_add_test(tcase, test_no_1020);
     tcase_add_test(tcase, test_dates_of_configuration);
     tcase_add_test(tcase, test_save);
+    tcase_add_loop_test(tcase, test_blocks, 0, sizeof blocks / sizeof blocks[0]);
     tcase_add_loop_test(tcase, test_slow_flash, 0, 2);
     return suite_run("configuration", tcase);
 }

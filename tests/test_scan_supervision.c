@@ -60,19 +60,25 @@ START_TEST(heartbeats_of_a_node)
     scan_send(plant, "707#05");
     expect_event(HEARTBEAT, EV_START, 7);
     scan_expect(plant, "085#0000000000000000");
-    ck_assert_uint_eq(scan_sdo_write(plant, 5, 0x1016, 1, 4, 0), 0);
-    expect_event(HEARTBEAT, EV_STOP, 7);
     ck_assert_uint_eq(EMCY_ERROR_CONTROL, 0x8130);
     ck_assert_uint_eq(EMCY_TEMPORARY_ERROR_CONTROL, 1);
 }
 END_TEST
 
-START_TEST(a_reset_ends_the_watch)
+static void watch_9(void)
 {
-    make_consumer(EV_CONSUMER_HEARTBEAT);
     ck_assert_uint_eq(scan_sdo_write(plant, 5, 0x1016, 2, 4, CHBT_ENTRY(9, 30000)), 0);
     scan_send(plant, "709#05");
     expect_event(HEARTBEAT, EV_START, 9);
+}
+
+START_TEST(the_end_of_a_watch)
+{
+    make_consumer(EV_CONSUMER_HEARTBEAT);
+    watch_9();
+    ck_assert_uint_eq(scan_sdo_write(plant, 5, 0x1016, 2, 4, 0), 0);
+    expect_event(HEARTBEAT, EV_STOP, 9);
+    watch_9();
     scan_send(plant, "000#8205");
     expect_event(HEARTBEAT, EV_STOP, 9);
     scan_await(plant, "705#00");
@@ -162,6 +168,7 @@ START_TEST(events_of_the_older_form)
     scan_send(other, "77F#R1");
     expect_old(EV_GUARDING, EV_START, 0);
     expect_old(EV_GUARDING, EV_TIMEOUT, 0);
+    ck_assert_uint_eq(scan_sdo_write(other, 127, 0x100C, 0, 2, 30000), 0);
     scan_send(other, "77F#R1");
     expect_old(EV_GUARDING, EV_START, 0);
     ck_assert_uint_eq(scan_sdo_write(other, 127, 0x100D, 0, 1, 0), 0);
@@ -231,7 +238,7 @@ int main(void)
     tcase_set_timeout(tcase, SCAN_LIMIT);
     tcase_add_checked_fixture(tcase, set_up, tear_down);
     tcase_add_test(tcase, heartbeats_of_a_node);
-    tcase_add_test(tcase, a_reset_ends_the_watch);
+    tcase_add_test(tcase, the_end_of_a_watch);
     tcase_add_test(tcase, a_node_is_watched_once);
     tcase_add_test(tcase, life_guarding);
     tcase_add_test(tcase, events_of_the_older_form);

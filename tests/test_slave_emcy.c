@@ -10,6 +10,7 @@
 #include <check.h>
 
 static const struct device_entry entries[] = {
+    { 0x1001, 0, OD_UNSIGNED8, OD_RO, 0, true },
     { 0x1003, 0, OD_UNSIGNED8, OD_RW, 0, false },
     { 0x1003, 1, OD_UNSIGNED32, OD_RO, 0, false },
     { 0x1014, 0, OD_UNSIGNED32, OD_RW, 0x85, false },
@@ -22,6 +23,10 @@ static const struct device_entry entries[] = {
     { 0x1028, 10, OD_UNSIGNED32, OD_RW, 0x2001ABCD, false },
     { 0x1029, 0, OD_UNSIGNED8, OD_CONST, 1, false },
     { 0x1029, 1, OD_UNSIGNED8, OD_RW, 1, false },
+    { 0x1800, 1, OD_UNSIGNED32, OD_RW, 0x40000185, false },
+    { 0x1800, 2, OD_UNSIGNED8, OD_RW, 255, false },
+    { 0x1A00, 0, OD_UNSIGNED8, OD_RW, 1, false },
+    { 0x1A00, 1, OD_UNSIGNED32, OD_RW, 0x10010008, false },
     { 0 },
 };
 
@@ -80,6 +85,17 @@ static const struct device_talk talks[] = {
         { 220, SENDS, "085#30811181E0000000" },
         { 221, DOES, "clear 00 A000" }, { 221, SENDS, "085#000011A000000000" },
         { 230, HEARS, "707#05" }, { 230, SENDS, "085#00000000E0000000" } } },
+    { "a mapped error register is sent when it changes",
+      { { 0, DOES, "flags t1 1" }, { 0, HEARS, "000#0105" }, { 0, SENDS, "185#00" },
+        { 1, DOES, "raise 2310 0 02 0000" }, { 1, SENDS, "185#03" },
+        { 1, SENDS, "085#1023030000030405" },
+        { 2, DOES, "raise 2320 0 02 0000" }, { 2, SENDS, "085#2023030000030405" },
+        { 3, DOES, "bus lost" }, { 3, SENDS, "185#13" },
+        { 4, DOES, "clear 02 0000" }, { 4, SENDS, "185#11" },
+        { 5, DOES, "clear 00 0000" },
+        { 6, DOES, "bus ok" }, { 6, SENDS, "185#00" },
+        { 6, SENDS, "085#0000110000000000" }, { 6, SENDS, "085#0000110000000000" },
+        { 6, SENDS, "085#4081110401000000" }, { 6, SENDS, "085#0000000001000000" } } },
     { "a reset forgets what has been",
       { { 1, DOES, "raise FF00 0 80 A0A0" }, { 1, SENDS, "085#00FF81A0A0030405" },
         { 2, HEARS, "000#8205" }, { 2, SENDS, "705#00" },
@@ -212,6 +228,20 @@ START_TEST(full_outbox_heard)
 }
 END_TEST
 
+/* A boot-up that was not told in time is not told of another node. */
+START_TEST(full_outbox_boot_up_of_a_node)
+{
+    device_fill(&device, 8, 0);
+    device_hear(&device, "707#00");
+    ck_assert_uint_eq(slave_deadline(&device.slave), 0);
+    device_drain(&device);
+    ck_assert_uint_eq(device_write(&device, 0x1016, 1, 4, 0x00080064), SDO_OK);
+    device_run(&device, 1);
+    ck_assert_str_eq(device_next_event(&device), "written 1016:01 = 524388");
+    ck_assert_str_eq(device_next_event(&device), "");
+}
+END_TEST
+
 START_TEST(what_is_listened_to)
 {
     static const uint32_t ids[] = { 0x000, 0x605, 0x705, 0x707, 0x0001ABCD, 0x086 };
@@ -229,6 +259,88 @@ START_TEST(what_is_listened_to)
 }
 END_TEST
 
+/* ---- anything, in any order ---- */
+
+static uint32_t random_state = 1;
+
+static unsigned random_below(unsigned limit)
+{
+    random_state = random_state * 1664525u + 1013904223u;
+    return (random_state >> 8) % limit;
+}
+
+static void do_anything(void)
+{
+    static const char *const calls[] = { "raise 2310 0 02 2040",
+                                         "raise 1000 0 00 0000",
+                                         "clear 02 2000",
+                                         "bus ok",
+                                         "bus passive",
+                                         "bus lost",
+                                         "overrun",
+                                         "lose 1",
+                                         "taken",
+                                         "bus ok" };
+    static const char *const frames[] = { "707#05",   "707#00",   "000#0105",
+                                          "000#0205", "000#8005", "605#2F29100102000000" };
+    const bool application = device.slave.errors.application > 0;
+    const unsigned call = random_below(10);
+
+    if (random_below(3) == 0)
+        device_hear(&device, frames[random_below(6)]);
+    else if (call != 2 || application)
+        device_do(&device, calls[call]);
+    device_drain(&device);
+    if (random_below(4) == 0)
+        device_fill(&device, random_below(3), 2 + random_below(3));
+}
+
+/* Ends all that can be an error. */
+static void end_all(void)
+{
+    device_drain(&device);
+    device_hear(&device, "000#8005");
+    device_drain(&device);
+    device_do(&device, "bus ok");
+    device_do(&device, "taken");
+    device_drain(&device);
+    device_hear(&device, "605#2316100100000000");
+    device_run(&device, device.now + CO_MS(2000));
+    while (device.slave.errors.application > 0) {
+        device_do(&device, "clear 02 0000");
+        device_drain(&device);
+        device_forget(&device);
+    }
+}
+
+/* Whatever has been, who listens knows how it is in the end. */
+START_TEST(all_errors_end)
+{
+    const struct slave_errors *errors = &device.slave.errors;
+    unsigned with_errors = 0;
+
+    random_state = (uint32_t)_i + 1;
+    for (unsigned i = 0; i < 3000; i++) {
+        do_anything();
+        device_run(&device, device.now + (random_below(2) ? random_below(150000) : 0));
+        device_forget(&device);
+        with_errors += od_number(&device.od, 0x1001, 0, 0) != 0;
+        ck_assert_uint_eq(od_number(&device.od, 0x1001, 0, 0) & 1,
+                          errors->application + errors->lost + errors->faults > 0 ||
+                              errors->told_bus != SLAVE_BUS_OK);
+    }
+    ck_assert_uint_gt(with_errors, 1000);
+    device_do(&device, "raise 2310 0 02 0000");
+    end_all();
+    ck_assert_uint_eq(errors->lost + errors->faults, 0);
+    ck_assert_uint_eq(device_value(&device, 0x1001, 0), 0);
+    device_forget(&device);
+    device_do(&device, "raise 1000 0 00 0000");
+    device_drain(&device);
+    ck_assert_str_eq(device_next_frame(&device, NULL), "085#0010010000030405");
+}
+END_TEST
+
 int main(void)
 {
     TCase *tcase = tcase_create("slave_emcy");
@@ -238,6 +350,8 @@ int main(void)
     tcase_add_test(tcase, losses_are_told);
     tcase_add_test(tcase, full_outbox_loss);
     tcase_add_test(tcase, full_outbox_heard);
+    tcase_add_test(tcase, full_outbox_boot_up_of_a_node);
     tcase_add_test(tcase, what_is_listened_to);
+    tcase_add_loop_test(tcase, all_errors_end, 0, 8);
     return suite_run("slave_emcy", tcase);
 }

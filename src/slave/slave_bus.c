@@ -20,7 +20,7 @@ static void lose(struct slave *self, co_us_t now, struct co_outbox *out)
     self->errors.outage = false;
     self->errors.told_bus = SLAVE_BUS_LOST;
     self->errors.sticky |= STICKY_CONTROLLER;
-    slave_update_error_register(self);
+    slave_update_error_register(self, now, out);
     slave_enable_emcy(self);
     slave_apply_error_behaviour(self, now, out);
 }

@@ -28,9 +28,11 @@ static bool has_internal_error(const struct slave_errors *errors)
     return errors->lost > 0 || errors->faults > 0 || errors->told_bus != SLAVE_BUS_OK;
 }
 
-void slave_update_error_register(struct slave *self)
+void slave_update_error_register(struct slave *self, co_us_t now, struct co_outbox *out)
 {
     const struct slave_errors *errors = &self->errors;
+    const struct od_entry *entry = od_find(self->od, 0x1001, 0);
+    const uint64_t before = od_number(self->od, 0x1001, 0, 0);
     unsigned bits = errors->raised;
 
     if (has_internal_error(errors))
@@ -38,6 +40,8 @@ void slave_update_error_register(struct slave *self)
     if (bits != 0 || errors->application > 0)
         bits |= ERROR_GENERIC;
     od_set_number(self->od, 0x1001, 0, bits);
+    if (bits != before && entry->map_count > 0)
+        slave_mapped_changed(self, entry, now, out);
 }
 
 uint8_t slave_highest_sub(const struct od *od, uint16_t index, uint8_t limit)
@@ -69,7 +73,7 @@ static void send(struct slave *self, const struct slave_error *error, co_us_t no
     struct emcy_message message = { .code = error->code };
     struct co_event event = { .type = SLAVE_EMERGENCY, .node = self->node, .code = error->code };
 
-    slave_update_error_register(self);
+    slave_update_error_register(self, now, out);
     message.error_register = (uint8_t)od_number(self->od, 0x1001, 0, 0);
     memcpy(message.field, error->field, sizeof message.field);
     if (error->code != 0)
@@ -290,7 +294,7 @@ void slave_reset_errors(struct slave *self)
     self->errors = (struct slave_errors){ .bus = bus, .overrun_end = CO_NEVER };
     self->sync_heard.wrong = false;
     self->told_sync_wrong = false;
-    slave_update_error_register(self);
+    od_set_number(self->od, 0x1001, 0, 0);
     od_set_number(self->od, 0x1003, 0, 0);
     emcy_producer_init(&self->emcy, COB_ID_INVALID);
     slave_configure_emcy(self);

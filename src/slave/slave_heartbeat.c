@@ -55,6 +55,7 @@ void slave_configure_consumer(struct slave *self, uint8_t sub)
     hb_consumer_init(&consumer->watch, node);
     hb_consumer_start(&consumer->watch, CO_MS(entry & 0xFFFF));
     consumer->told_state = consumer->watch.state;
+    consumer->boot_up = false;
     consumer->changed = true;
     self->consumers_due = true;
     update_consumer_deadline(self);
@@ -64,7 +65,6 @@ void slave_reset_consumers(struct slave *self)
 {
     for (unsigned i = 0; i < self->consumer_count; i++) {
         self->consumers[i].told_lost = false;
-        self->consumers[i].boot_up = false;
         slave_configure_consumer(self, (uint8_t)(i + 1));
     }
 }

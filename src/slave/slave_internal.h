@@ -70,7 +70,8 @@ void slave_clear_fault(struct slave *self, co_us_t now, struct co_outbox *out);
 /* An emergency of the device itself for what has just changed. Room: 1 event. */
 void slave_announce(struct slave *self, const struct emcy_message *error, co_us_t now,
                     struct co_outbox *out);
-void slave_update_error_register(struct slave *self);
+/* 1001h, and the PDOs that map it. */
+void slave_update_error_register(struct slave *self, co_us_t now, struct co_outbox *out);
 /* Errors that 1003h does not have are no data, which the dictionary cannot say. */
 bool slave_history_lacks(const struct slave *self, const struct co_frame *request);
 uint8_t slave_highest_sub(const struct od *od, uint16_t index, uint8_t limit);

@@ -35,6 +35,15 @@ bool check_step(struct conform *self, const uint8_t request[8], uint8_t expected
                         request[0], request[1], request[2], request[3], expected, ret_answer[0]);
 }
 
+void check_give_up(struct conform *self, const struct conform_object *object)
+{
+    uint8_t request[8];
+
+    conform_request(request, 0x80, object->index, object->sub);
+    put_le32(request + 4, SDO_GENERAL);
+    conform_send_data(self, 0x600u + self->options.node, request, sizeof request);
+}
+
 bool check_unchanged(struct conform *self, const struct conform_object *object,
                      const struct conform_value *before)
 {

@@ -13,6 +13,9 @@ bool check_ask(struct conform *self, uint8_t command, uint16_t index, uint8_t su
 bool check_step(struct conform *self, const uint8_t request[8], uint8_t expected,
                 uint8_t ret_answer[8]);
 
+/* Ends a transfer of this object that is of no more interest. */
+void check_give_up(struct conform *self, const struct conform_object *object);
+
 /* The object has still this value; else fails. */
 bool check_unchanged(struct conform *self, const struct conform_object *object,
                      const struct conform_value *before);

@@ -74,8 +74,10 @@ static bool start(struct conform *self, struct download *download, bool crc)
         return conform_fail(self, "block download: expected a block size of 1 to 127, received %u",
                             answer[4]);
     download->crc = crc && (answer[0] & 0x04) != 0;
-    return answer[4] >= download->segments ||
-           conform_skip(self, "the server's blocks of %u segments are too short for this check",
+    if (answer[4] >= download->segments)
+        return true;
+    check_give_up(self, download->object);
+    return conform_skip(self, "the server's blocks of %u segments are too short for this check",
                         answer[4]);
 }
 
@@ -175,8 +177,10 @@ static bool check_wrong_crc(struct conform *self)
 
     if (!choose_number(self, &download) || !start(self, &download, true))
         return false;
-    if (!download.crc)
+    if (!download.crc) {
+        check_give_up(self, download.object);
         return conform_skip(self, "the server has no CRC");
+    }
     if (!send_rest(self, &download, 0))
         return false;
     make_end(&download, request);
@@ -249,6 +253,29 @@ static bool check_wrong_length(struct conform *self)
            check_unchanged(self, download.object, &download.before);
 }
 
+/* Refused at once, or when as many bytes have come. */
+static bool check_too_long(struct conform *self)
+{
+    const uint8_t segments[][8] = { { 0x01 }, { 0x82 } }, end[8] = { 0xC1 };
+    struct download download;
+    uint8_t request[8], answer[8];
+
+    if (!choose_number(self, &download))
+        return false;
+    conform_request(request, 0xC2, download.object->index, download.object->sub);
+    put_le32(request + 4, 14);
+    conform_exchange(self, request, answer);
+    if (answer[0] == 0x80 && get_le32(answer + 4) == SDO_COMMAND)
+        return conform_skip(self, "the server has no block downloads");
+    if (answer[0] != 0x80) {
+        conform_send_data(self, REQUEST(self), segments[0], 8);
+        if (conform_exchange(self, segments[1], answer) && answer[0] == 0xA2)
+            conform_exchange(self, end, answer);
+    }
+    return conform_must_answer_abort(self, "14 bytes to a number", answer, wrong_length) &&
+           check_unchanged(self, download.object, &download.before);
+}
+
 static bool check_abort(struct conform *self)
 {
     struct download download;
@@ -295,6 +322,8 @@ static const struct conform_check checks[] = {
       check_sequence_zero },
     { "sdo-block-length-wrong", "an end with the wrong length is refused", CLAUSE, 0, 0,
       check_wrong_length },
+    { "sdo-block-too-long", "more bytes than a number has are refused", CLAUSE, 0, 0,
+      check_too_long },
     { "sdo-block-download-abort", "an abort ends a block download, nothing is written", CLAUSE, 0,
       0, check_abort },
     { "sdo-block-read-only", "a block download to 1000h is refused", CLAUSE, 0, 0,

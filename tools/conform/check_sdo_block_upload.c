@@ -216,7 +216,8 @@ static bool check_upload_sizes(struct conform *self)
         !take_sub_block(self, &upload))
         return false;
     acknowledge(self, &upload, 2, 1);
-    if (!take_sub_block(self, &upload))
+    if (!take_sub_block(self, &upload) ||
+        !conform_expect_none(self, upload.from, RESPONSE(self), CONFORM_QUIET))
         return false;
     acknowledge(self, &upload, 1, 127);
     return take_rest(self, &upload);
@@ -300,6 +301,8 @@ static bool check_switch(struct conform *self)
                             "block upload with a threshold of 255 bytes: expected 43 or C0 "
                             "to C6, received %02X",
                             answer[0]);
+    if (answer[0] != 0x43)
+        check_give_up(self, upload.object);
     return check_still_serves(self);
 }
 

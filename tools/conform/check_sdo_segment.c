@@ -60,17 +60,12 @@ static bool check_segmented_read(struct conform *self)
 {
     const struct conform_object *object = need_long(self, 5);
     struct conform_value value;
-    uint8_t answer[8];
-    uint32_t announced;
 
-    if (!object || !begin_upload(self, object, answer))
+    if (!object || !conform_must_read(self, object->index, object->sub, &value))
         return false;
-    announced = answer[0] == 0x41 ? get_le32(answer + 4) : UINT32_MAX;
-    if (!conform_must_read(self, object->index, object->sub, &value))
-        return false;
-    if (announced != UINT32_MAX && value.size != announced)
+    if (value.announced != 0 && value.size != value.announced)
         return conform_fail(self, "%04Xh:%02X: %u bytes were announced, received %u", object->index,
-                            object->sub, (unsigned)announced, (unsigned)value.size);
+                            object->sub, (unsigned)value.announced, (unsigned)value.size);
     return check_still_serves(self);
 }
 
@@ -157,6 +152,14 @@ static bool check_interrupted(struct conform *self)
     return check_still_serves(self);
 }
 
+/* A server that still waits may refuse what comes next, with which its transfer ends. */
+static bool serves_at_last(struct conform *self)
+{
+    struct conform_value value;
+
+    return conform_read(self, 0x1000, 0, &value) == SDO_COMMAND || check_still_serves(self);
+}
+
 /* Giving up silently is as good as telling. */
 static bool check_timeout(struct conform *self)
 {
@@ -171,7 +174,7 @@ static bool check_timeout(struct conform *self)
         !conform_must_answer_abort(self, "an upload that does not go on",
                                    conform_frame(self, at)->data, CODES(SDO_TIMEOUT)))
         return false;
-    return check_still_serves(self);
+    return serves_at_last(self) && check_still_serves(self);
 }
 
 /* An empty value has one segment without data; "no data" is another way to say it. */
@@ -398,6 +401,24 @@ static bool check_string_write(struct conform *self)
            check_unchanged(self, object, &before);
 }
 
+/* More than any device keeps. */
+static bool check_huge_string(struct conform *self)
+{
+    const uint32_t *codes = CODES(SDO_TOO_LONG, SDO_TYPE_LENGTH, SDO_NO_MEMORY, SDO_GENERAL);
+    struct download download = { .object = check_writable_string(self, 1) };
+    uint8_t request[8], answer[8];
+
+    if (!download.object)
+        return conform_skip(self, "no writable string with contents is known: give one with "
+                                  "--eds FILE");
+    if (!conform_must_read(self, download.object->index, download.object->sub, &download.before))
+        return false;
+    make_initiate(&download, 0xFFFFFFF0, request);
+    conform_exchange(self, request, answer);
+    return conform_must_answer_abort(self, "4 GiB to a string", answer, codes) &&
+           check_unchanged(self, download.object, &download.before);
+}
+
 #define CLAUSE  "CiA 301, 7.2.4.3"
 #define ABORTED "CiA 301, 7.2.4.3.17"
 
@@ -430,6 +451,8 @@ static const struct conform_check checks[] = {
     { "sdo-announced-missed", "fewer bytes than announced are refused", ABORTED, 0, 0,
       check_announced_missed },
     { "sdo-empty-number", "a number without a byte is refused", ABORTED, 0, 0, check_empty_number },
+    { "sdo-huge-string", "more bytes than a string can have are refused", ABORTED, CONFORM_EDS, 0,
+      check_huge_string },
     { "sdo-abort-upload", "an abort ends an upload", ABORTED, 0, 0, check_abort_upload },
     { "sdo-abort-download", "an abort ends a download, nothing is written", ABORTED, 0, 0,
       check_abort_download },

@@ -189,6 +189,46 @@ class Cia401Files(plant.PlantTest):
                          {key: entry.keys for key, entry in configured.items()})
 
 
+class LevelSensor(ExampleTest):
+    def setUp(self):
+        super().setUp()
+        self.begin()
+
+    def begin(self):
+        self.device = self.start_example("level-sensor", self.folder, stdin=subprocess.PIPE)
+        self.device.wait_for("on the bus", self.device.err)
+
+    def measure(self, level):
+        self.device.popen.stdin.write(f"{level}\n")
+        self.device.popen.stdin.flush()
+
+    def end_device(self):
+        self.device.popen.stdin.close()
+        self.assertEqual(self.device.wait(), 0, self.device.story())
+
+    def test_conform(self):
+        """the device does what its EDS file says, and nothing against CiA 301"""
+        tester = self.run_command([*plant.WRAP, plant.TOOLS / "mcanopen", "conform", "--quiet",
+                                   "--bus", self.bus.name, "--node", 5, "--allow-store",
+                                   "--eds", EXAMPLES / "level-sensor" / "level-sensor.eds"])
+        self.assertEqual(tester.code, 0, tester.story())
+        self.end_device()
+        plant.say(tester.out.lines[-1].strip())
+
+    def test_limit(self):
+        """an emergency above the limit, one when it is over; a stored limit outlives the program"""
+        frames = self.dump()
+        self.send("605#2B002000F4010000", "605#2310100173617665")
+        frames.wait_for("585#6010100100000000")
+        self.end_device()
+        self.begin()
+        self.measure(501)
+        frames.wait_for("085#0090210000000000")
+        self.measure(500)
+        frames.wait_for("085#0000000000000000")
+        self.end_device()
+
+
 class ManagerWithData(ExampleTest):
     def test_data(self):
         """inputs of one device reach the other's outputs and come back, through the manager"""

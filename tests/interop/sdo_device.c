@@ -1,5 +1,5 @@
 /*
- * Node 5 for test_peer_sdo.py and test_peer_errors.py. Prints each event of the node as
+ * Node 5 for test_peer_sdo*.py and test_peer_errors.py. Prints each event of the node as
  * "event KIND ARGUMENT ARGUMENT". Runs until the end of stdin; there "error CODE INFORMATION
  * REGISTER" and "reset REGISTER" do what objects 2300h and 2301h do, in any NMT state.
  *

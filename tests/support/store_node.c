@@ -3,6 +3,7 @@
 #include "mcanopen.h"
 
 #include <dirent.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,15 +13,37 @@
 struct scan_plant *store_plant;
 HNODE store_node;
 char store_folder[40], store_path[60];
-char store_log[4000];
+
+static pthread_mutex_t log_lock = PTHREAD_MUTEX_INITIALIZER;
+static char log_text[4000];
 
 static void on_log(void *context, int level, const char *text)
 {
-    const size_t length = strlen(store_log);
+    size_t length;
 
     (void)context;
     (void)level;
-    snprintf(store_log + length, sizeof store_log - length, "%s\n", text);
+    pthread_mutex_lock(&log_lock);
+    length = strlen(log_text);
+    snprintf(log_text + length, sizeof log_text - length, "%s\n", text);
+    pthread_mutex_unlock(&log_lock);
+}
+
+bool store_log_has(const char *text)
+{
+    bool has;
+
+    pthread_mutex_lock(&log_lock);
+    has = log_text[0] != '\0' && strstr(log_text, text) != NULL;
+    pthread_mutex_unlock(&log_lock);
+    return has;
+}
+
+void store_log_clear(void)
+{
+    pthread_mutex_lock(&log_lock);
+    log_text[0] = '\0';
+    pthread_mutex_unlock(&log_lock);
 }
 
 void store_make_folder(void)
@@ -28,7 +51,7 @@ void store_make_folder(void)
     snprintf(store_folder, sizeof store_folder, "/tmp/mcanopen-store-XXXXXX");
     ck_assert_ptr_nonnull(mkdtemp(store_folder));
     snprintf(store_path, sizeof store_path, "%s/node-5.ccf", store_folder);
-    store_log[0] = '\0';
+    store_log_clear();
     mcanOpenSetLog(on_log, NULL);
 }
 

@@ -27,7 +27,10 @@ void store_remove_folder(void);
 extern struct scan_plant *store_plant;
 extern HNODE store_node;
 extern char store_folder[40], store_path[60];
-extern char store_log[4000]; /* all lines since the beginning */
+
+/* Some line since the beginning, or since it was cleared, has the text; "": any line. */
+bool store_log_has(const char *text);
+void store_log_clear(void);
 
 SLAVE_NODE_INFO store_info(unsigned long mask);
 /* The node, off the bus and without a file; its handler is scan_on_event. */

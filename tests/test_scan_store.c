@@ -379,12 +379,12 @@ END_TEST
 
 /* --- what cannot be written --- */
 
-static void expect_failure(void)
+static void expect_failure(const char *reason)
 {
     char message[200];
 
-    snprintf(message, sizeof message,
-             "%s: error: the parameters of node 5 could not be stored: ", store_path);
+    snprintf(message, sizeof message, "%s: error: the parameters of node 5 could not be stored: %s",
+             store_path, reason);
     ck_assert_uint_eq(store_save(1), HARDWARE);
     ck_assert(store_log_has(message));
 }
@@ -394,7 +394,7 @@ START_TEST(no_folder)
     ck_assert_int_eq(rmdir(store_folder), 0);
     store_start();
     store_change(1);
-    expect_failure();
+    expect_failure("no such folder");
     ck_assert_uint_eq(store_load(1), HARDWARE);
     store_reset("000#8105");
     store_expect_defaults();
@@ -412,7 +412,7 @@ START_TEST(a_folder_in_its_place)
     store_start();
     ck_assert(store_log_has(": error: a folder, expected a file"));
     store_change(1);
-    expect_failure();
+    expect_failure("the disk is full or fails, or this is no file");
     store_reset("000#8105");
     store_expect_defaults();
     ck_assert_uint_eq(store_files(), 1);

@@ -91,12 +91,21 @@ void scan_decide_store(const struct scan_token *token, const struct co_event *ne
 
 /* ---- the store daemon ---- */
 
+static const char *failure_text(enum co_err err)
+{
+    if (err == CO_ERR_NOT_FOUND)
+        return "no such folder";
+    if (err == CO_ERR_AGAIN)
+        return "another process is writing the file";
+    return err == CO_ERR_IO ? "the disk is full or fails, or this is no file" : co_err_text(err);
+}
+
 static void log_failure(const struct scan_node *node, enum co_err err)
 {
     char text[CO_REPORT_TEXT_SIZE];
 
     snprintf(text, sizeof text, "%s: error: the parameters of node %u could not be stored: %s",
-             node->store_file, (unsigned)node->id, file_error_text(err));
+             node->store_file, (unsigned)node->id, failure_text(err));
     log_put(CO_ERROR, text);
 }
 

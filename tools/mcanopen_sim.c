@@ -26,7 +26,8 @@ static const char usage[] =
     "usage: mcanopen sim [options] NETWORK.xml\n"
     "       mcanopen sim [options] --node ID DEVICE.eds [--node ID DEVICE.eds ...]\n"
     "\n"
-    "Simulates CANopen devices from their EDS or DCF files: dictionary, SDO server, NMT, boot-up,\n"
+    "Simulates CANopen devices from their EDS or DCF files: dictionary, SDO servers, NMT, "
+    "boot-up,\n"
     "heartbeat, emergencies, PDOs, SYNC. They start with the DefaultValues of the files. Runs "
     "until\n"
     "Ctrl-C.\n"
@@ -42,6 +43,8 @@ static const char usage[] =
     "  --ramp ID:INDEX[:SUB]=A..B/MS[/STEP] from A to B within MS, then anew, a step each STEP ms\n"
     "                                       (100): --ramp 5:6401:1=0..1000/2000\n"
     "  --toggle ID:INDEX[:SUB]=A..B/MS      A and B in turns: --toggle 5:6000:1=0..255/500\n"
+    "  --file ID:INDEX[:SUB]=PATH           what masters read and write there (a DOMAIN) is this\n"
+    "                                       file: --file 5:2100=firmware.bin\n"
     "\n"
     "  --store DIR      what masters save (1010h) is kept in DIR/node-ID.ccf (ccfread shows it), "
     "and\n"
@@ -480,14 +483,16 @@ static bool take_without(struct sim *self)
 
 static bool take_option(struct sim *self, int option, int argc, char **argv)
 {
+    static const char motions[] = "srtf"; /* in the order of enum sim_motion */
+    const char *motion = strchr(motions, option);
+
+    if (motion)
+        return take_value(self, (enum sim_motion)(motion - motions));
     switch (option) {
     case 'n': return take_node(self, argc, argv);
     case 'w': return take_without(self);
     case 'b': self->bus = optarg; return true;
     case 'N': return take_net(self);
-    case 's': return take_value(self, SIM_SET);
-    case 'r': return take_value(self, SIM_RAMP);
-    case 't': return take_value(self, SIM_TOGGLE);
     case 'd': return take_defect(self);
     case 'S': return take_store(self);
     case 'q': self->quiet = true; return true;
@@ -498,19 +503,15 @@ static bool take_option(struct sim *self, int option, int argc, char **argv)
 
 static bool parse_options(struct sim *self, int argc, char **argv)
 {
-    static const struct option options[] = { { "node", required_argument, NULL, 'n' },
-                                             { "without", required_argument, NULL, 'w' },
-                                             { "bus", required_argument, NULL, 'b' },
-                                             { "net", required_argument, NULL, 'N' },
-                                             { "set", required_argument, NULL, 's' },
-                                             { "ramp", required_argument, NULL, 'r' },
-                                             { "toggle", required_argument, NULL, 't' },
-                                             { "defect", required_argument, NULL, 'd' },
-                                             { "store", required_argument, NULL, 'S' },
-                                             { "quiet", no_argument, NULL, 'q' },
-                                             { "verbose", no_argument, NULL, 'v' },
-                                             { "help", no_argument, NULL, 'h' },
-                                             { NULL, 0, NULL, 0 } };
+    static const struct option options[] = {
+        { "node", required_argument, NULL, 'n' },   { "without", required_argument, NULL, 'w' },
+        { "bus", required_argument, NULL, 'b' },    { "net", required_argument, NULL, 'N' },
+        { "set", required_argument, NULL, 's' },    { "ramp", required_argument, NULL, 'r' },
+        { "toggle", required_argument, NULL, 't' }, { "file", required_argument, NULL, 'f' },
+        { "defect", required_argument, NULL, 'd' }, { "store", required_argument, NULL, 'S' },
+        { "quiet", no_argument, NULL, 'q' },        { "verbose", no_argument, NULL, 'v' },
+        { "help", no_argument, NULL, 'h' },         { NULL, 0, NULL, 0 }
+    };
     int option;
     bool any = false;
 

@@ -11,8 +11,9 @@
 #define DEFAULT_STEP_MS 100u
 #define LEAST_MS        1u
 #define MOST_MS         3600000u
+#define FILE_MOST       (16u * 1024u * 1024u) /* bytes of a domain */
 
-static const char *const names[] = { "--set", "--ramp", "--toggle" };
+static const char *const names[] = { "--set", "--ramp", "--toggle", "--file" };
 
 static bool refuse(enum sim_motion motion, const char *option, const char *why)
 {
@@ -90,7 +91,10 @@ bool sim_value_parse(enum sim_motion motion, const char *option, struct sim_valu
                       "hexadecimal: 5:6000:1=...");
     if (motion == SIM_SET && !copy(text, strlen(text), value.from))
         return refuse(motion, option, "expected a value behind the =");
-    if (motion != SIM_SET && !read_motion(text, &value))
+    if (motion == SIM_FILE && *text == '\0')
+        return refuse(motion, option, "expected a file behind the =");
+    value.path = text;
+    if ((motion == SIM_RAMP || motion == SIM_TOGGLE) && !read_motion(text, &value))
         return refuse(motion, option, "expected A..B/MS behind the =: 0..100/2000");
     *ret_value = value;
     return true;
@@ -211,7 +215,7 @@ static bool find_type(struct sim_value *self)
 /* True as long as there is something to come. */
 static bool has_more(const struct sim_value *self)
 {
-    return self->motion != SIM_SET;
+    return self->motion == SIM_RAMP || self->motion == SIM_TOGGLE;
 }
 
 static int write_now(const struct sim_value *self, co_us_t now)
@@ -239,6 +243,18 @@ static bool is_text(const struct sim_value *self)
     return self->motion == SIM_SET && scan_is_text(self->type);
 }
 
+static bool begin_file(const struct sim_value *self)
+{
+    const int result = canOpenSetDomainFile(self->handle, (unsigned short)self->index,
+                                            (unsigned short)self->sub, self->path, FILE_MOST);
+
+    if (result == SCANOPEN_WRONG_INDEX || result == SCANOPEN_WRONG_TYPE)
+        return refuse(self->motion, self->option, "expected an object 2000h..9FFFh of type DOMAIN");
+    if (result != SCANOPEN_OK)
+        return refuse(self->motion, self->option, text_of(result));
+    return true;
+}
+
 bool sim_value_begin(struct sim_value *self, HNODE node, co_us_t now)
 {
     char why[SIM_TEXT_MAX + 80];
@@ -247,6 +263,8 @@ bool sim_value_begin(struct sim_value *self, HNODE node, co_us_t now)
     self->handle = node;
     if (!find_type(self))
         return refuse(self->motion, self->option, "the device has no such object");
+    if (self->motion == SIM_FILE)
+        return begin_file(self);
     self->begin = now;
     result = is_text(self) ? write_text(self) : write_now(self, now);
     if (result == SCANOPEN_WRONG_TYPE) {

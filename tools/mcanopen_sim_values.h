@@ -5,6 +5,7 @@
  *   NODE:INDEX[:SUB]=VALUE             --set
  *   NODE:INDEX[:SUB]=A..B/MS[/STEP]    --ramp: from A to B within MS, then anew; each STEP ms
  *   NODE:INDEX[:SUB]=A..B/MS           --toggle: A and B in turns of MS
+ *   NODE:INDEX[:SUB]=PATH              --file: the bytes of a domain are in this file
  *
  * INDEX and SUB are hexadecimal. Values go through the slave interface: what is mapped is sent.
  */
@@ -17,7 +18,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-enum sim_motion { SIM_SET, SIM_RAMP, SIM_TOGGLE };
+enum sim_motion { SIM_SET, SIM_RAMP, SIM_TOGGLE, SIM_FILE };
 
 #define SIM_TEXT_MAX 64u
 
@@ -26,6 +27,7 @@ struct sim_value {
     const char *option; /* as given, for messages */
     unsigned node, index, sub;
     char from[SIM_TEXT_MAX], to[SIM_TEXT_MAX];
+    const char *path; /* SIM_FILE: a part of the option */
     unsigned period_ms, step_ms;
     HNODE handle;
     unsigned char type; /* of the entry */
@@ -35,8 +37,8 @@ struct sim_value {
 /* False: the option is malformed; a message was given. */
 bool sim_value_parse(enum sim_motion motion, const char *option, struct sim_value *ret_value);
 /*
- * Gives the object its first value. False: there is no such object, or it may not have the value; a
- * message was given.
+ * Gives the object its first value; before the node is activated. False: there is no such object,
+ * or it may not have the value; a message was given.
  */
 bool sim_value_begin(struct sim_value *self, HNODE node, co_us_t now);
 /* The next one, when it is due. */

@@ -3,8 +3,10 @@
 import unittest
 
 import plant
+from devices import Entry, dcf, standard
 
 DEVICE = plant.ROOT / "examples" / "cia401-io" / "cia401-io.eds"
+DOMAIN = 0xF
 TPDO = "185#"
 START = "000#0105"
 
@@ -55,6 +57,25 @@ class Values(plant.PlantTest):
     def falls(values):
         return sum(b < a for a, b in zip(values, values[1:]))
 
+    def send(self, frame):
+        sender = self.run_command([plant.TOOLS.parent / "tests" / "flood", self.bus.name, 1, frame])
+        self.assertEqual(sender.code, 0, sender.story())
+
+    def test_file(self):
+        """a domain is a file: what is in it is read, what is written is in it"""
+        path = self.write("data.bin", "ab")
+        device = self.write("device.dcf", dcf(5, [*standard(1), Entry(0x2100, DOMAIN, "")]))
+        dump = self.dump()
+        self.start_sim("--node", "5", device, "--file", f"5:2100={path}")
+        self.send("605#4000210000000000")
+        dump.wait_for("585#4B00210061620000")
+        self.send("605#2700210078797A00")
+        dump.wait_for("585#6000210000000000")
+        self.assertEqual(path.read_text(encoding="ascii"), "xyz")
+        path.unlink()
+        self.send("605#4000210000000000")
+        dump.wait_for("585#8000210024000008")
+
     def test_bad_values(self):
         """each is refused with the reason"""
         self.refuse("expected NODE:INDEX[:SUB]=", "--set", "5:6000:1")
@@ -68,6 +89,9 @@ class Values(plant.PlantTest):
         self.refuse("not a value of type UNSIGNED8", "--set", "5:6000:1=256")
         self.refuse("not a value of type UNSIGNED8", "--set", "5:6000:1=on")
         self.refuse("belongs to the device itself", "--set", "5:1000:0=1")
+        self.refuse("expected a file", "--file", "5:6000:1=")
+        self.refuse("expected an object 2000h..9FFFh of type DOMAIN", "--file", "5:6000:1=data")
+        self.refuse("expected an object 2000h..9FFFh of type DOMAIN", "--file", "5:1000=data")
         self.refuse("there is no node 6", "--set", "6:6000:1=1")
 
 

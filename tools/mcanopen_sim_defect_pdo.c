@@ -42,11 +42,6 @@ static bool alter_first_byte(struct sim_gate *gate, struct defect_use *use, stru
     return true;
 }
 
-static bool lose_second(struct sim_gate *gate, struct defect_use *use, struct co_frame *frame)
-{
-    return !is_tpdo(gate, frame) || use->count++ % 2 == 0;
-}
-
 static bool lose_remote(struct sim_gate *gate, struct defect_use *use, struct co_frame *frame)
 {
     (void)gate;
@@ -62,9 +57,12 @@ static bool lengthen(struct sim_gate *gate, struct defect_use *use, struct co_fr
     return true;
 }
 
+/* The first one after each start is heard. */
 static bool lose_sync(struct sim_gate *gate, struct defect_use *use, struct co_frame *frame)
 {
     (void)gate;
+    if (frame->id == NMT_CAN_ID && frame->data[0] == NMT_START)
+        use->count = 0;
     return frame->id != SYNC_ID || use->count++ % 2 == 0;
 }
 
@@ -154,10 +152,6 @@ const struct sim_defect sim_defects_pdo[] = {
       .family = "pdo",
       .to_device = lose_remote,
       .text = "TPDOs are not sent on request" },
-    { .name = "pdo-half",
-      .family = "pdo",
-      .from_device = lose_second,
-      .text = "each second TPDO is not sent" },
     { .name = "pdo-sync-half",
       .family = "pdo",
       .to_device = lose_sync,

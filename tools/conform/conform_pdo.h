@@ -49,6 +49,32 @@ static inline uint8_t pdo_entry_sub(uint32_t entry)
 bool conform_read_pdo(struct conform *self, uint16_t index, struct conform_pdo *ret_pdo);
 /* The first PDO of a direction that is in use: valid, with something mapped. Else SKIP. */
 bool conform_find_pdo(struct conform *self, uint16_t direction, struct conform_pdo *ret_pdo);
+typedef bool conform_fits(struct conform *self, const struct conform_pdo *pdo);
+/* The first one that fits, too; else SKIP. */
+bool conform_find_fitting_pdo(struct conform *self, uint16_t direction, conform_fits *fits,
+                              struct conform_pdo *ret_pdo);
+/* The same; where there is none nothing is told. */
+bool conform_look_for_pdo(struct conform *self, uint16_t direction, conform_fits *fits,
+                          struct conform_pdo *ret_pdo);
+
+/* Bit 31 of its COB-ID; what else the COB-ID has is that of 'pdo'. */
+bool conform_switch_pdo(struct conform *self, const struct conform_pdo *pdo, bool on);
+/* Transmission type; the PDO is switched off for it, and on. */
+bool conform_set_pdo_type(struct conform *self, struct conform_pdo *pdo, uint8_t type);
+
+/* Switched off and unmapped, so that its mapping can be set. Else SKIP: the mapping is fixed. */
+bool conform_unmap_pdo(struct conform *self, const struct conform_pdo *pdo);
+/* The entries of 'pdo', and on. It counts its bytes. */
+bool conform_map_pdo(struct conform *self, struct conform_pdo *pdo);
+
+/* Of this device: the object may be mapped into a PDO of this direction; by the EDS. */
+bool conform_is_mappable(const struct conform_object *object, uint16_t direction);
+/* The entry that maps it. */
+uint32_t conform_entry(const struct conform_object *object);
+
+/* The device has done what it was told until now. */
+void conform_barrier(struct conform *self);
+
 /* All zeros, so many bytes. */
 size_t conform_send_rpdo(struct conform *self, const struct conform_pdo *pdo, uint8_t dlc);
 

@@ -162,11 +162,6 @@ bool conform_expect_no_emcy(struct conform *self, size_t from, uint16_t code, un
 
 /* --- SYNC --- */
 
-uint32_t conform_sync_id(struct conform *self)
-{
-    return (uint32_t)conform_number(self, 0x1005, 0, 0x80) & 0x7FFu;
-}
-
 size_t conform_send_sync(struct conform *self)
 {
     return conform_send_data(self, 0x080, NULL, 0);

@@ -40,7 +40,6 @@ bool conform_expect_no_emcy(struct conform *self, size_t from, uint16_t code, un
 
 /* --- SYNC --- */
 
-uint32_t conform_sync_id(struct conform *self);
 size_t conform_send_sync(struct conform *self);
 
 /* --- periods --- */

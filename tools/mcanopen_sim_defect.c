@@ -93,13 +93,20 @@ bool defect_confirm_refused(struct sim_gate *gate, struct defect_use *use, struc
     return true;
 }
 
+/* Sub-index 0 of a record is no value. */
+static bool is_swallowed(const struct sim_defect *defect, const struct co_frame *request)
+{
+    return is_expedited_write(request) && defect_concerns(defect, request) &&
+           (defect->sub != DEFECT_ANY_SUB || request->data[3] != 0) &&
+           (defect->number == 0 || defect->number == get_le32(request->data + 4));
+}
+
 bool defect_swallow_write(struct sim_gate *gate, struct defect_use *use, struct co_frame *frame)
 {
-    const struct sim_device_view *view = gate_view(gate);
     struct co_frame answer;
 
-    if (!defect_is_from(gate, frame, SDO_REQUEST_ID) || view->block_segment ||
-        !is_expedited_write(frame) || !defect_concerns(use->defect, frame))
+    if (!defect_is_from(gate, frame, SDO_REQUEST_ID) || gate_view(gate)->block_segment ||
+        !is_swallowed(use->defect, frame))
         return true;
     answer = defect_answer(gate, DOWNLOAD_CONFIRMED);
     gate_to_bus(gate, &answer);

@@ -77,7 +77,7 @@ struct co_frame defect_answer(const struct sim_gate *gate, uint8_t command);
 defect_alter defect_lose;
 /* Refused with one of the row's codes, an expedited write is confirmed after all. */
 defect_alter defect_confirm_refused;
-/* Writes of the row's objects are confirmed and have no effect. */
+/* Writes of the row's objects, of any value or of number, are confirmed and have no effect. */
 defect_alter defect_swallow_write;
 /* Values read from the row's objects differ in the bits of number. */
 defect_alter defect_alter_value;

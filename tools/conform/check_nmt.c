@@ -4,8 +4,8 @@
 #include "conform_families.h"
 #include "conform_services.h"
 
-#include "base/bytes.h"
 #include "od/abort.h"
+#include "od/od.h"
 
 static size_t command(struct conform *self, uint8_t command, uint8_t node, uint8_t dlc)
 {
@@ -69,6 +69,38 @@ static bool check_restore_node(struct conform *self)
 static bool check_restore_communication(struct conform *self)
 {
     return check_restored(self, CONFORM_RESET_COMM);
+}
+
+/* A parameter of the application, of so many bytes: one bit of it is changed. */
+static const struct conform_object *change_application(struct conform *self, uint64_t *ret_value)
+{
+    for (size_t i = 0; i < self->object_count; i++) {
+        const struct conform_object *object = &self->objects[i];
+        const uint32_t size = od_type_size(object->type);
+
+        if (object->index < 0x2000 || object->access != OD_RW || size == 0 || size > 4 ||
+            !object->entry || (object->entry->flags & 1u) != 0)
+            continue;
+        *ret_value = conform_number(self, object->index, object->sub, 0) ^ 1;
+        if (conform_write_number(self, object->index, object->sub, size, *ret_value) == SDO_OK)
+            return object;
+    }
+    return NULL;
+}
+
+static bool check_application_kept(struct conform *self)
+{
+    uint64_t written, found;
+    const struct conform_object *object = change_application(self, &written);
+
+    if (!object)
+        return conform_skip(self, "no application object of the device can be written");
+    if (!conform_reset(self, CONFORM_RESET_COMM) ||
+        !conform_must_read_number(self, object->index, object->sub, &found))
+        return false;
+    return found == written ||
+           conform_fail(self, "%04Xh:%02X: wrote %u, read %u after reset communication",
+                        object->index, object->sub, (unsigned)written, (unsigned)found);
 }
 
 /* The command after each of two others, which other checks judge. */
@@ -199,6 +231,8 @@ static const struct conform_check checks[] = {
       CONFORM_RESET, 0, check_restore_node },
     { "nmt-restore-communication", "reset communication restores communication parameters",
       "CiA 301, 7.3.2", CONFORM_RESET, 0, check_restore_communication },
+    { "nmt-application-kept", "reset communication leaves application objects as they are",
+      "CiA 301, 7.3.2", CONFORM_EDS | CONFORM_RESET, 0, check_application_kept },
     { "nmt-start", "start: from pre-operational and from stopped", "CiA 301, 7.3.2", CONFORM_RESET,
       0, check_start },
     { "nmt-stop", "stop: from pre-operational and from operational", "CiA 301, 7.3.2",

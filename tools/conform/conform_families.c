@@ -18,6 +18,8 @@ const struct conform_family *const conform_families[] = {
     &conform_nmt_slave,
     &conform_heartbeat,
     &conform_guarding,
+    &conform_cob,
+    &conform_store,
 };
 
 const size_t conform_family_count = sizeof conform_families / sizeof conform_families[0];

@@ -22,5 +22,7 @@ extern const struct conform_family conform_sync;
 extern const struct conform_family conform_nmt_slave;
 extern const struct conform_family conform_heartbeat;
 extern const struct conform_family conform_guarding;
+extern const struct conform_family conform_cob;
+extern const struct conform_family conform_store;
 
 #endif

@@ -15,9 +15,11 @@ import sys
 
 import bus_rows
 import count_rows
+import transfer_rows
 from rows import ROOT, Bench
 
 BUS_MINUTES = 14
+ON_BUS = bus_rows.ROWS + transfer_rows.ROWS
 
 
 def run_rows(rows, bench, names):
@@ -53,16 +55,16 @@ def run_on_vcan(options):
         place = lane.stderr.strip().rpartition(", ")[2]
         return json.loads(results.read_text(encoding="utf-8")), place
     reason, verdict = explain(lane.stdout + lane.stderr)
-    return fail_all(bus_rows.ROWS, options.rows, reason, verdict), ""
+    return fail_all(ON_BUS, options.rows, reason, verdict), ""
 
 
 def measure(options):
     """All rows that are wanted, and where the bus was."""
     if options.bus:
         place = options.bus
-        results = run_rows(bus_rows.ROWS, Bench(options.build, options.bus, options.smoke),
+        results = run_rows(ON_BUS, Bench(options.build, options.bus, options.smoke),
                            options.rows)
-    elif any(not options.rows or row.name in options.rows for row in bus_rows.ROWS):
+    elif any(not options.rows or row.name in options.rows for row in ON_BUS):
         results, place = run_on_vcan(options)
     else:
         results, place = [], ""
@@ -98,7 +100,7 @@ def parse(arguments):
     parser.add_argument("--smoke", action="store_true", help="few frames, once: does it work?")
     parser.add_argument("--bus", help="a CAN interface that is up")
     parser.add_argument("--results", help=argparse.SUPPRESS)  # rows on the bus only, to this file
-    names = [row.name for row in bus_rows.ROWS + count_rows.ROWS]
+    names = [row.name for row in ON_BUS + count_rows.ROWS]
     parser.add_argument("rows", nargs="*", metavar="ROW", help="only these: " + " ".join(names))
     options = parser.parse_args(arguments)
     unknown = set(options.rows) - set(names)
@@ -112,7 +114,7 @@ def main(arguments):
     if options.results:
         bench = Bench(options.build, options.bus, options.smoke)
         with open(options.results, "w", encoding="utf-8") as file:
-            json.dump(run_rows(bus_rows.ROWS, bench, options.rows), file)
+            json.dump(run_rows(ON_BUS, bench, options.rows), file)
         return 0
     results, place = measure(options)
     if options.json:

@@ -29,20 +29,34 @@ HNODE device_create_node(int node_id, const SLAVE_NODE_INFO *info)
     return node;
 }
 
+static void add_value(HNODE node, unsigned short index, const char *type, int flags,
+                      DictionaryData *value, PFN_COS_DATA_HANDLER handler)
+{
+    device_need("canOpenExtendDictionary", canOpenExtendDictionary(node, index, 0, OBJ_VAR, type));
+    device_need("canOpenInitDictionary",
+                canOpenInitDictionary(node, index, 0, NULL,
+                                      (unsigned short)(READ_ACCESS | WRITE_ACCESS | flags), value,
+                                      handler));
+}
+
 static void add_object(HNODE node, unsigned short index, const char *type,
                        PFN_COS_DATA_HANDLER handler)
 {
     DictionaryData zero = { .uint64 = { 0, 0, 0, 0 } };
 
-    device_need("canOpenExtendDictionary", canOpenExtendDictionary(node, index, 0, OBJ_VAR, type));
-    device_need("canOpenInitDictionary",
-                canOpenInitDictionary(node, index, 0, NULL, READ_ACCESS | WRITE_ACCESS | MAPPABLE,
-                                      &zero, handler));
+    add_value(node, index, type, MAPPABLE, &zero, handler);
 }
 
 void device_add_number(HNODE node, unsigned short index)
 {
     add_object(node, index, MAP_UINT32, NULL);
+}
+
+void device_add_domain(HNODE node, unsigned short index, uint8_t *memory, unsigned long size)
+{
+    DictionaryData value = { .domain = { memory, size, size } };
+
+    add_value(node, index, MAP_DOMAIN, 0, &value, NULL);
 }
 
 static HPDO add_pdo(HNODE node, int mode, unsigned short index)
@@ -75,7 +89,7 @@ void device_create(struct device *self)
         self->sent = add_pdo(self->node, TRANSMIT_PDO | self->transmission, DEVICE_INPUT);
 }
 
-void device_run(struct device *self)
+void device_run(const struct device *self)
 {
     device_need("canOpenActivateNode", canOpenActivateNode(self->node));
     device_need("canOpenWaitForNodeState", canOpenWaitForNodeState(self->node, WFNS_OPERATIONAL));

@@ -15,7 +15,14 @@
 #define DEVICE_NUMBER 0x2000 /* UINT32, for SDO */
 #define DEVICE_OUTPUT 0x2001 /* UINT64, received by PDO */
 #define DEVICE_INPUT  0x2002 /* UINT64, transmitted by PDO */
+#define DEVICE_TINY   0x2100 /* domains, for SDO */
+#define DEVICE_SMALL  0x2101
+#define DEVICE_LARGE  0x2102
 #define DEVICE_MANY   0x3000 /* UINT32, as many as wanted */
+
+#define DEVICE_TINY_SIZE  1024u
+#define DEVICE_SMALL_SIZE (64u * 1024u)
+#define DEVICE_LARGE_SIZE (1024u * 1024u)
 
 struct device {
     SLAVE_NODE_INFO info;      /* more than what device_create() gives it */
@@ -32,14 +39,16 @@ void device_open_network(void);
 /* A node without objects of its own. */
 HNODE device_create_node(int node_id, const SLAVE_NODE_INFO *info);
 void device_add_number(HNODE node, unsigned short index);
+void device_add_domain(HNODE node, unsigned short index, uint8_t *memory, unsigned long size);
 /* The network, the node, its objects and PDOs; not yet active. */
 void device_create(struct device *self);
 /* On the bus and operational; says so. */
-void device_run(struct device *self);
+void device_run(const struct device *self);
 void device_remove(const struct device *self);
 
 /* What bench_device can do; each returns the exit code. number: the argument, or 0. */
 int device_serve(unsigned long number);
+int device_serve_domains(unsigned long number);
 int device_write_pdo(unsigned long count);
 int device_write_dictionary(unsigned long count);
 int device_count_pdos(unsigned long number);

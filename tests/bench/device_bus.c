@@ -41,13 +41,18 @@ static void wait_for_end(void)
     sigwait(&signals, &number);
 }
 
-static int run_until_end(struct device *device)
+static int run_created(const struct device *device)
 {
-    device_create(device);
     device_run(device);
     wait_for_end();
     device_remove(device);
     return 0;
+}
+
+static int run_until_end(struct device *device)
+{
+    device_create(device);
+    return run_created(device);
 }
 
 int device_serve(unsigned long number)
@@ -56,6 +61,27 @@ int device_serve(unsigned long number)
 
     (void)number;
     return run_until_end(&device);
+}
+
+/* The yardsticks' test pattern. */
+static void fill(uint8_t *memory)
+{
+    for (unsigned i = 0; i < DEVICE_LARGE_SIZE; i++)
+        memory[i] = (uint8_t)(0x5A + i * 7 + (i >> 8) * 13 + (i >> 16) * 29);
+}
+
+int device_serve_domains(unsigned long number)
+{
+    static uint8_t memory[DEVICE_LARGE_SIZE];
+    struct device device = { .transmission = WITHOUT_PDO };
+
+    (void)number;
+    fill(memory);
+    device_create(&device);
+    device_add_domain(device.node, DEVICE_TINY, memory, DEVICE_TINY_SIZE);
+    device_add_domain(device.node, DEVICE_SMALL, memory, DEVICE_SMALL_SIZE);
+    device_add_domain(device.node, DEVICE_LARGE, memory, DEVICE_LARGE_SIZE);
+    return run_created(&device);
 }
 
 int device_answer_sync(unsigned long number)

@@ -13,6 +13,7 @@ static const struct verb {
     const char *text;
 } verbs[] = {
     { "serve", device_serve, "an SDO server" },
+    { "serve-domains", device_serve_domains, "the same with 1 KiB, 64 KiB and 1 MiB" },
     { "write-pdo", device_write_pdo, "N TPDOs by canOpenWritePDO, as fast as it can" },
     { "write-dictionary", device_write_dictionary, "the same by canOpenWriteDictionaryHnd" },
     { "count-pdos", device_count_pdos,

@@ -1,0 +1,82 @@
+"""SDO transfers of some size, both ways, with the device as server and with the manager as client;
+each is compared with the same transfer between two yardsticks."""
+from contextlib import contextmanager
+
+from bus_rows import NEUTRAL_NODE, NODE, took_all
+from rows import ROOT, Row, compare, wait_for_socket
+
+TINY, SMALL, LARGE = 1024, 64 * 1024, 1024 * 1024  # the first one for smoke tests
+DOMAINS = {TINY: 0x2100, SMALL: 0x2101, LARGE: 0x2102}
+TURNS = {SMALL: 4, LARGE: 1}
+
+
+@contextmanager
+def neutral_server(bench):
+    domains = [f"-o{index:#x}={size}" for size, index in DOMAINS.items()]
+    process = bench.start("neutral_sdo_server", "-n", NEUTRAL_NODE, *domains)
+    with bench.while_running(wait_for_socket(process)):
+        yield
+
+
+def neutral_rate(bench, node, mode, size):
+    """kB/s of a yardstick as the client."""
+    check = ["-V"] if mode.endswith("up") else []
+    return took_all(bench.run("neutral_sdo_client", "-n", node, "-x", DOMAINS[size], "-m", mode,
+                              "-s", size, "-c", 1, *check))["kB_s"]
+
+
+def manager_result(bench, direction, index, size, times):
+    return bench.run("bench_manager", ROOT / "tests" / "bench" / "manager.xml", direction,
+                     NEUTRAL_NODE, index, size, times)
+
+
+def manager_rate(bench, mode, size):
+    direction = "read" if mode.endswith("up") else "write"
+    return manager_result(bench, direction, DOMAINS[size], size, 1)["kB_s"]
+
+
+def as_server(mode, size):
+    def measure(bench):
+        some = bench.count(size, TINY)
+        with bench.while_running(bench.device("serve-domains")), neutral_server(bench):
+            return compare(bench, max, lambda: neutral_rate(bench, NODE, mode, some),
+                           lambda: neutral_rate(bench, NEUTRAL_NODE, mode, some), TURNS[size])
+    return measure
+
+
+def as_client(mode, size):
+    def measure(bench):
+        some = bench.count(size, TINY)
+        with neutral_server(bench):
+            return compare(bench, max, lambda: manager_rate(bench, mode, some),
+                           lambda: neutral_rate(bench, NEUTRAL_NODE, mode, some), TURNS[size])
+    return measure
+
+
+def read_rate(bench, count):
+    return manager_result(bench, "read", 0x1000, 4, count)["ops_s"]
+
+
+def measure_reads(bench):
+    count = bench.count(200)
+
+    def neutral():
+        return took_all(bench.run("neutral_sdo_client", "-n", NEUTRAL_NODE, "-x", 0x1000, "-m",
+                                  "exp-up", "-c", count))["ops_s"]
+    with neutral_server(bench):
+        return compare(bench, max, lambda: read_rate(bench, count), neutral, 10)
+
+
+def rows():
+    yield Row("read-sdo", "expedited mcanOpenReadSDO: rate / neutral client's", ">=", 0.7,
+              measure_reads)
+    for size, name in (SMALL, "64k"), (LARGE, "1m"):
+        for mode, text in (("seg-up", "segmented upload"), ("seg-dn", "segmented download")):
+            text = f"{text} of {name.upper()}iB"
+            yield Row(f"server-{mode}-{name}", f"{text}, server: rate / neutral server's", ">=", 0.9,
+                      as_server(mode, size))
+            yield Row(f"client-{mode}-{name}", f"{text}, client: rate / neutral client's", ">=", 0.9,
+                      as_client(mode, size))
+
+
+ROWS = list(rows())

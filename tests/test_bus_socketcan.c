@@ -438,6 +438,32 @@ START_TEST(waiting_ends_with_a_frame_a_wake_or_the_deadline)
 }
 END_TEST
 
+/* Without asking the system for one that is not there. */
+START_TEST(what_a_wait_has_fetched_is_told)
+{
+    struct bus *bus = played_open();
+    struct delivery delivery = played_frame(0x123, 0);
+    struct bus_rx rx;
+
+    ck_assert(!bus_has_fetched(bus));
+    for (unsigned i = 0; i < 3; i++)
+        played_deliver(&delivery);
+    ck_assert(!bus_has_fetched(bus));
+    ck_assert_int_eq(bus_wait(bus, CO_NEVER), CO_OK);
+    for (unsigned i = 0; i < 3; i++) {
+        ck_assert(bus_has_fetched(bus));
+        ck_assert_int_eq(bus_receive(bus, &rx), CO_OK);
+    }
+    ck_assert(!bus_has_fetched(bus));
+    played_fail(ENOMEM);
+    ck_assert_int_eq(bus_wait(bus, CO_NEVER), CO_OK);
+    ck_assert(bus_has_fetched(bus));
+    ck_assert_int_eq(bus_receive(bus, &rx), CO_ERR_MEMORY);
+    ck_assert(!bus_has_fetched(bus));
+    played_close(bus);
+}
+END_TEST
+
 static Suite *suite_of_all(void)
 {
     Suite *suite = suite_create("bus_socketcan");
@@ -463,6 +489,7 @@ static Suite *suite_of_all(void)
     tcase_add_test(tests, own_frames_that_cannot_be_switched_stay);
     tcase_add_test(tests, filters_are_exact);
     tcase_add_test(tests, waiting_ends_with_a_frame_a_wake_or_the_deadline);
+    tcase_add_test(tests, what_a_wait_has_fetched_is_told);
     suite_add_tcase(suite, tests);
     return suite;
 }

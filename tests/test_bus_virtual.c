@@ -275,6 +275,23 @@ START_TEST(wait_sleeps_over_frames_that_are_not_wanted)
 }
 END_TEST
 
+START_TEST(frames_that_are_there_are_told)
+{
+    struct bus *sender = fixture_open(false), *reader = fixture_open(false);
+    const struct bus_filter filter = { 0x10, 0x7FF, 0, 3 };
+
+    ck_assert_int_eq(bus_set_filters(reader, &filter, 1), CO_OK);
+    fixture_send(sender, "011#", 0);
+    ck_assert(!bus_has_fetched(reader));
+    fixture_send(sender, "010#", 0);
+    ck_assert(bus_has_fetched(reader));
+    fixture_expect(reader, "010#");
+    ck_assert(!bus_has_fetched(reader));
+    bus_close(sender);
+    bus_close(reader);
+}
+END_TEST
+
 START_TEST(wake_ends_the_next_wait)
 {
     struct bus *bus = fixture_open(false);
@@ -408,6 +425,7 @@ static Suite *suite_of_all(void)
     tcase_add_test(tests, wait_returns_at_once_with_a_frame_there);
     tcase_add_test(tests, wait_ends_at_the_deadline_not_before);
     tcase_add_test(tests, wait_sleeps_over_frames_that_are_not_wanted);
+    tcase_add_test(tests, frames_that_are_there_are_told);
     tcase_add_test(tests, wake_ends_the_next_wait);
     tcase_add_test(tests, wake_ends_the_wait_of_another_thread);
     tcase_add_test(tests, no_wake_up_is_missed);

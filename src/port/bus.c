@@ -66,6 +66,11 @@ enum co_err bus_receive(struct bus *self, struct bus_rx *ret_rx)
     return self->ops->receive(self, ret_rx);
 }
 
+bool bus_has_fetched(struct bus *self)
+{
+    return self->ops->has_fetched(self);
+}
+
 enum co_err bus_wait(struct bus *self, co_us_t deadline)
 {
     return self->ops->wait(self, deadline);

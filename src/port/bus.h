@@ -60,6 +60,7 @@ struct bus_filter { /* passes a frame if (id & mask) == (this id & mask) and the
  */
 enum co_err bus_open(const char *name, const struct bus_options *options, struct bus **ret_bus,
                      char *message, size_t message_size);
+/* The thread that waited calls this, or has ended. */
 void bus_close(struct bus *self);
 
 /* CO_ERR_AGAIN: no room at the moment, try again in a millisecond; CO_ERR_DOWN (bus-off, too),
@@ -68,9 +69,17 @@ enum co_err bus_send(struct bus *self, const struct co_frame *frame);
 /* CO_ERR_AGAIN: nothing there; CO_ERR_DOWN, CO_ERR_NO_BUS, CO_ERR_IO. */
 enum co_err bus_receive(struct bus *self, struct bus_rx *ret_rx);
 /*
+ * True: what bus_wait() has fetched is not all received yet, and bus_receive() gives it without a
+ * system call. False: there may be more all the same, which the next bus_wait() finds at once, with
+ * the call that it makes anyway. So a loop of bus_wait(), and bus_receive() while this is true,
+ * needs one system call for a frame or for several. By the thread that receives.
+ */
+bool bus_has_fetched(struct bus *self);
+/*
  * Until a frame is there, the state may have changed, bus_wake() or the deadline; CO_OK,
- * CO_ERR_TIMEOUT, CO_ERR_IO. A SocketCAN interface that is down or gone is waited for and used
- * again, by its name, when it is back; filters and options stay.
+ * CO_ERR_TIMEOUT (no frame was there when it had come), CO_ERR_IO. A SocketCAN interface that is
+ * down or gone is waited for and used again, by its name, when it is back; filters and options
+ * stay.
  */
 enum co_err bus_wait(struct bus *self, co_us_t deadline);
 /* Ends a bus_wait() of another thread, or the next one. */

@@ -16,6 +16,7 @@ struct bus_ops {
     void (*close)(struct bus *self);
     enum co_err (*send)(struct bus *self, const struct co_frame *frame);
     enum co_err (*receive)(struct bus *self, struct bus_rx *ret_rx);
+    bool (*has_fetched)(struct bus *self);
     enum co_err (*wait)(struct bus *self, co_us_t deadline);
     void (*wake)(struct bus *self);
     enum co_err (*set_filters)(struct bus *self, const struct bus_filter *filters, size_t count);

@@ -3,6 +3,7 @@
 #include "port/bus_tags.h"
 #include "port/can_cyclic.h"
 #include "port/can_format.h"
+#include "port/can_intake.h"
 #include "port/can_stamp.h"
 #include "port/can_watch.h"
 #include "port/clock.h"
@@ -15,7 +16,6 @@
 #include <linux/can/raw.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/eventfd.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -28,7 +28,7 @@ struct bus_socketcan {
     struct bus bus;
     const struct socketcan_calls *calls;
     int fd;
-    int wake;            /* eventfd of bus_wake() */
+    struct can_intake intake;
     uint32_t overflows;  /* of the socket, as last seen */
     unsigned lost;       /* not yet told */
     struct co_lock lock; /* of what the thread that waits shares with the others: */
@@ -115,7 +115,7 @@ static enum co_err socketcan_send(struct bus *bus, const struct co_frame *frame)
     if (err)
         return err;
     expected = expect_back(self, frame); /* before: it may come back at once */
-    if (self->calls->send(self->fd, &raw, sizeof raw, 0) >= 0)
+    if (self->calls->send(self->fd, &raw, sizeof raw, MSG_DONTWAIT) >= 0)
         return CO_OK;
     err = can_parse_error(errno);
     if (expected) {
@@ -175,59 +175,57 @@ static void take_error_frame(struct bus_socketcan *self, const struct can_frame 
     lock_give(&self->lock);
 }
 
-/* One message; *ret_is_frame: it is a frame for the stack. */
-static enum co_err receive_one(struct bus_socketcan *self, struct bus_rx *ret_rx,
-                               bool *ret_is_frame)
+/* True: it is a frame for the stack. */
+static bool take_frame(struct bus_socketcan *self, struct can_message *message,
+                       struct bus_rx *ret_rx)
 {
-    union {
-        struct cmsghdr align;
-        char bytes[CMSG_SPACE(sizeof(struct timespec)) + CMSG_SPACE(sizeof(uint32_t))];
-    } control;
-    struct can_frame raw;
-    struct iovec data = { &raw, sizeof raw };
-    struct msghdr message = { .msg_iov = &data,
-                              .msg_iovlen = 1,
-                              .msg_control = control.bytes,
-                              .msg_controllen = sizeof control.bytes };
-    ssize_t size = self->calls->recvmsg(self->fd, &message, 0);
+    bool is_ours = can_watch_state(&self->watch) != BUS_DOWN; /* else of another interface's */
 
-    *ret_is_frame = false;
-    if (size < 0)
-        return can_parse_error(errno);
-    ret_rx->time = read_control(self, &message);
-    if (size != CAN_MTU)
-        return CO_OK;
-    if (raw.can_id & CAN_ERR_FLAG) {
-        take_error_frame(self, &raw);
-        return CO_OK;
+    ret_rx->time = read_control(self, &message->head);
+    if (message->result != CAN_MTU)
+        return false;
+    if (message->frame.can_id & CAN_ERR_FLAG) {
+        take_error_frame(self, &message->frame);
+        return false;
     }
-    ret_rx->frame = can_parse_frame(&raw);
-    *ret_is_frame = can_watch_state(&self->watch) != BUS_DOWN; /* else of another interface's */
-    if ((message.msg_flags & MSG_CONFIRM) && !mark_own(self, &ret_rx->frame))
-        *ret_is_frame = false;
-    return CO_OK;
+    ret_rx->frame = can_parse_frame(&message->frame);
+    if ((message->head.msg_flags & MSG_CONFIRM) && !mark_own(self, &ret_rx->frame))
+        return false;
+    return is_ours;
+}
+
+/* The reason for no message. */
+static enum co_err fail_receive(struct bus_socketcan *self, enum co_err err)
+{
+    if (err == CO_ERR_AGAIN && can_watch_state(&self->watch) == BUS_DOWN)
+        return why_not(self);
+    if (err == CO_ERR_DOWN || err == CO_ERR_NO_BUS || err == CO_ERR_IO)
+        doubt_interface(self);
+    return err;
 }
 
 static enum co_err socketcan_receive(struct bus *bus, struct bus_rx *ret_rx)
 {
     struct bus_socketcan *self = to_socketcan(bus);
     struct bus_rx rx = { .lost = 0 };
-    bool is_frame = false;
+    struct can_message *message;
 
-    while (!is_frame) {
-        enum co_err err = receive_one(self, &rx, &is_frame);
-
-        if (err == CO_ERR_AGAIN && can_watch_state(&self->watch) == BUS_DOWN)
-            return why_not(self);
-        if (err == CO_ERR_DOWN || err == CO_ERR_NO_BUS || err == CO_ERR_IO)
-            doubt_interface(self);
-        if (err != CO_OK)
-            return err;
-    }
+    do {
+        message = can_intake_take(&self->intake);
+        if (!message)
+            return fail_receive(self, CO_ERR_AGAIN);
+        if (message->result < 0)
+            return fail_receive(self, can_parse_error(-message->result));
+    } while (!take_frame(self, message, &rx));
     rx.lost = self->lost;
     self->lost = 0;
     *ret_rx = rx;
     return CO_OK;
+}
+
+static bool socketcan_has_fetched(struct bus *bus)
+{
+    return can_intake_has(&to_socketcan(bus)->intake);
 }
 
 /* --- what is wanted --- */
@@ -372,23 +370,17 @@ static void read_news(struct bus_socketcan *self)
 static enum co_err socketcan_wait(struct bus *bus, co_us_t deadline)
 {
     struct bus_socketcan *self = to_socketcan(bus);
-    struct bus_poll poll = { .fd = { self->fd, self->wake, self->watch.fd } };
-    enum co_err err = bus_poll_until(&poll, deadline);
-    uint64_t count;
+    bool has_news;
+    enum co_err err = can_intake_wait(&self->intake, deadline, &has_news);
 
-    if (poll.readable[1] && read(self->wake, &count, sizeof count) != (ssize_t)sizeof count)
-        return CO_ERR_IO;
-    if (poll.readable[2])
+    if (has_news)
         read_news(self);
     return err;
 }
 
 static void socketcan_wake(struct bus *bus)
 {
-    const uint64_t one = 1;
-    ssize_t size = write(to_socketcan(bus)->wake, &one, sizeof one);
-
-    (void)size; /* EAGAIN: 2^64 - 2 wake-ups are pending, one more says nothing new */
+    can_intake_wake(&to_socketcan(bus)->intake);
 }
 
 /* --- state --- */
@@ -412,7 +404,7 @@ static void socketcan_explain(struct bus *bus, char *text, size_t size)
 
 static enum co_err open_socket(struct bus_socketcan *self, const struct bus_message *message)
 {
-    self->fd = self->calls->socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW);
+    self->fd = self->calls->socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC, CAN_RAW);
     if (self->fd >= 0)
         return CO_OK;
     if (errno == EAFNOSUPPORT || errno == EPROTONOSUPPORT) {
@@ -456,8 +448,9 @@ static enum co_err connect_interface(struct bus_socketcan *self, const struct bu
     if (err)
         return bus_fail(message, err, "%s: cannot use the CAN socket: %s", self->watch.name,
                         strerror(errno));
-    self->wake = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-    if (self->wake < 0)
+    self->intake.fd = self->fd;
+    self->intake.news = self->watch.fd;
+    if (can_intake_open(&self->intake) != CO_OK)
         return bus_fail(message, CO_ERR_IO, "%s: %s", self->watch.name, strerror(errno));
     return CO_OK;
 }
@@ -466,10 +459,9 @@ static void socketcan_close(struct bus *bus)
 {
     struct bus_socketcan *self = to_socketcan(bus);
 
+    can_intake_close(&self->intake);
     if (self->fd >= 0)
         close(self->fd);
-    if (self->wake >= 0)
-        close(self->wake);
     can_cyclic_close(&self->cyclic);
     can_watch_close(&self->watch);
     lock_done(&self->lock);
@@ -480,6 +472,7 @@ static void socketcan_close(struct bus *bus)
 static const struct bus_ops socketcan_ops = { .close = socketcan_close,
                                               .send = socketcan_send,
                                               .receive = socketcan_receive,
+                                              .has_fetched = socketcan_has_fetched,
                                               .wait = socketcan_wait,
                                               .wake = socketcan_wake,
                                               .set_filters = socketcan_set_filters,
@@ -502,7 +495,7 @@ static struct bus_socketcan *new_socketcan(const struct socketcan_calls *calls, 
     self->bus.ops = &socketcan_ops;
     self->calls = calls;
     self->fd = -1;
-    self->wake = -1;
+    self->intake = (struct can_intake){ .calls = calls, .wake = -1 };
     self->own_frames = options->own_frames;
     self->cyclic = (struct can_cyclic){ .calls = calls, .fd = -1 };
     self->watch = (struct can_watch){
@@ -536,15 +529,17 @@ enum co_err bus_socketcan_open_with(const struct socketcan_calls *calls, const c
     return CO_OK;
 }
 
+const struct socketcan_calls socketcan_system_calls = { .socket = socket,
+                                                        .connect = connect,
+                                                        .bind = bind,
+                                                        .setsockopt = setsockopt,
+                                                        .send = send,
+                                                        .recvmsg = recvmsg,
+                                                        .recvmmsg = recvmmsg,
+                                                        .io_uring_setup = io_ring_setup };
+
 enum co_err bus_socketcan_open(const char *name, const struct bus_options *options,
                                struct bus **ret_bus, const struct bus_message *message)
 {
-    static const struct socketcan_calls system_calls = { .socket = socket,
-                                                         .connect = connect,
-                                                         .bind = bind,
-                                                         .setsockopt = setsockopt,
-                                                         .send = send,
-                                                         .recvmsg = recvmsg };
-
-    return bus_socketcan_open_with(&system_calls, name, options, ret_bus, message);
+    return bus_socketcan_open_with(&socketcan_system_calls, name, options, ret_bus, message);
 }

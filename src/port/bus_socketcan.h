@@ -6,6 +6,7 @@
 #define CO_PORT_BUS_SOCKETCAN_H
 
 #include "port/bus_ops.h"
+#include "port/io_ring.h"
 
 #include <sys/socket.h>
 
@@ -16,7 +17,13 @@ struct socketcan_calls {
     int (*setsockopt)(int fd, int level, int option, const void *value, socklen_t size);
     ssize_t (*send)(int fd, const void *data, size_t size, int flags);
     ssize_t (*recvmsg)(int fd, struct msghdr *message, int flags);
+    int (*recvmmsg)(int fd, struct mmsghdr *messages, unsigned count, int flags,
+                    struct timespec *timeout);
+    io_ring_setup_fn *io_uring_setup; /* NULL: there is none, and none of the calls goes round it */
 };
+
+/* The real ones. */
+extern const struct socketcan_calls socketcan_system_calls;
 
 /* As bus_socketcan_open(), which gives the real calls. They must outlive the bus. */
 enum co_err bus_socketcan_open_with(const struct socketcan_calls *calls, const char *name,

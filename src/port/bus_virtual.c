@@ -220,6 +220,11 @@ static bool has_frame(struct bus_virtual *self)
     return false;
 }
 
+static bool virtual_has_fetched(struct bus *bus)
+{
+    return has_frame(to_virtual(bus));
+}
+
 static void drain_socket(int fd)
 {
     char byte;
@@ -387,6 +392,7 @@ static void virtual_close(struct bus *bus)
 static const struct bus_ops virtual_ops = { .close = virtual_close,
                                             .send = virtual_send,
                                             .receive = virtual_receive,
+                                            .has_fetched = virtual_has_fetched,
                                             .wait = virtual_wait,
                                             .wake = virtual_wake,
                                             .set_filters = virtual_set_filters,

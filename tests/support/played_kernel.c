@@ -43,7 +43,7 @@ static int play_socket(int family, int type, int protocol)
     if (error)
         return failure(error);
     ck_assert(is_can || family == AF_NETLINK);
-    ck_assert_int_eq(type, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK);
+    ck_assert_int_eq(type, SOCK_RAW | SOCK_CLOEXEC | (is_can ? 0 : SOCK_NONBLOCK));
     ck_assert_int_eq(protocol, is_can ? CAN_RAW : NETLINK_ROUTE);
     ck_assert_int_eq(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK, 0, pair), 0);
     return pair[0];
@@ -163,7 +163,7 @@ static ssize_t start_job(const void *data, size_t size)
 
 static ssize_t play_send(int fd, const void *data, size_t size, int flags)
 {
-    ck_assert_int_eq(flags, 0);
+    ck_assert_int_eq(flags, fd == kernel.can[0] ? MSG_DONTWAIT : 0);
     if (fd == kernel.netlink[0])
         return answer_request(data, size);
     if (fd == kernel.bcm[0] && kernel.job.index != 0)
@@ -202,13 +202,17 @@ static ssize_t receive_news(const struct msghdr *message)
 
 static ssize_t play_recvmsg(int fd, struct msghdr *message, int flags)
 {
+    ck_assert_int_eq(fd, kernel.netlink[0]);
+    ck_assert_int_eq(flags, 0);
+    return receive_news(message);
+}
+
+static ssize_t receive_delivery(int fd, struct msghdr *message)
+{
     struct delivery delivery;
     size_t used = 0;
 
-    ck_assert_int_eq(flags, 0);
-    if (fd == kernel.netlink[0])
-        return receive_news(message);
-    if (recv(fd, &delivery, sizeof delivery, 0) != (ssize_t)sizeof delivery)
+    if (recv(fd, &delivery, sizeof delivery, MSG_DONTWAIT) != (ssize_t)sizeof delivery)
         return failure(EAGAIN);
     if (delivery.error)
         return failure(delivery.error);
@@ -223,12 +227,39 @@ static ssize_t play_recvmsg(int fd, struct msghdr *message, int flags)
     return (ssize_t)delivery.size;
 }
 
+/* As Linux does, it forgets an error that comes behind messages until the next call. */
+static int play_recvmmsg(int fd, struct mmsghdr *messages, unsigned count, int flags,
+                         struct timespec *timeout)
+{
+    unsigned done = 0;
+
+    ck_assert_int_eq(fd, kernel.can[0]);
+    ck_assert_int_eq(flags, MSG_DONTWAIT);
+    ck_assert_ptr_null(timeout);
+    if (kernel.late_error != 0) {
+        errno = kernel.late_error;
+        kernel.late_error = 0;
+        return -1;
+    }
+    while (done < count) {
+        ssize_t size = receive_delivery(fd, &messages[done].msg_hdr);
+
+        if (size < 0)
+            break;
+        messages[done++].msg_len = (unsigned)size;
+    }
+    if (done > 0 && done < count && errno != EAGAIN)
+        kernel.late_error = errno;
+    return done > 0 ? (int)done : -1;
+}
+
 const struct socketcan_calls played_calls = { .socket = play_socket,
                                               .connect = play_connect,
                                               .bind = play_bind,
                                               .setsockopt = play_setsockopt,
                                               .send = play_send,
-                                              .recvmsg = play_recvmsg };
+                                              .recvmsg = play_recvmsg,
+                                              .recvmmsg = play_recvmmsg };
 
 void played_reset(void)
 {

@@ -38,6 +38,7 @@ struct played_kernel {
     /* errors, as errno; 0: the call works */
     int socket_error, netlink_error, bind_error, send_error, option_error, failing_option;
     int bcm_error, connect_error, job_error; /* of the three calls that start a job */
+    int late_error;                          /* of the next recvmmsg() */
     int news_error;                          /* of the next recvmsg() on the netlink socket */
     struct can_link link;                    /* can0, index 0: there is none */
     bool is_mute;                            /* answers no requests */

@@ -1,18 +1,50 @@
 #include "support/vcan.h"
 
+#include "port/bus_socketcan.h"
 #include "port/clock.h"
 
 #include <check.h>
+#include <stdio.h>
 #include <stdlib.h>
+
+bool vcan_has_io_uring(void)
+{
+    struct io_ring ring;
+    bool has_one = io_ring_open(&ring, 8, io_ring_setup) == CO_OK;
+
+    io_ring_close(&ring);
+    if (!has_one)
+        printf("not run by io_uring: this kernel has none for us\n");
+    return has_one;
+}
+
+/* Without it the bus would go on by poll(). */
+static int set_up_ring(unsigned entries, struct io_uring_params *params)
+{
+    int fd = io_ring_setup(entries, params);
+
+    ck_assert_int_ge(fd, 0);
+    return fd;
+}
+
+static struct socketcan_calls calls; /* NULL in them: none was chosen */
+
+void vcan_choose(bool io_uring)
+{
+    calls = socketcan_system_calls;
+    calls.io_uring_setup = io_uring ? set_up_ring : NULL;
+}
 
 struct bus *vcan_open(const char *name, bool own_frames)
 {
     const struct bus_options options = { .own_frames = own_frames };
-    char message[200] = "";
+    char text[200] = "";
+    const struct bus_message message = { text, sizeof text };
+    const struct socketcan_calls *chosen = calls.socket ? &calls : &socketcan_system_calls;
     struct bus *bus = NULL;
-    enum co_err err = bus_open(name, &options, &bus, message, sizeof message);
+    enum co_err err = bus_socketcan_open_with(chosen, name, &options, &bus, &message);
 
-    ck_assert_msg(err == CO_OK, "%s", message);
+    ck_assert_msg(err == CO_OK, "%s", text);
     return bus;
 }
 

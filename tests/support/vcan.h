@@ -9,6 +9,10 @@
 
 #define VCAN_PATIENCE CO_MS(10000)
 
+/* Buses opened from now on receive by io_uring, or by poll(); at first, as the kernel has it. */
+void vcan_choose(bool io_uring);
+/* This kernel has io_uring for us; says so if not. */
+bool vcan_has_io_uring(void);
 struct bus *vcan_open(const char *name, bool own_frames);
 /* A command of the shell. */
 void vcan_run(const char *command);

@@ -85,12 +85,12 @@ START_TEST(another_period)
     ck_assert_int_eq(bus_set_cyclic(bus, syncs, 4, SHORT), CO_OK);
     for (unsigned i = 0; i < 6; i++)
         expect_sync(other, i % 4 + 1);
-    ck_assert_int_eq(bus_set_cyclic(bus, syncs, 2, 20 * SHORT), CO_OK);
-    while (vcan_receive(other).frame.data[0] != 1) /* late ones of before */
+    ck_assert_int_eq(bus_set_cyclic(bus, &syncs[100], 2, 20 * SHORT), CO_OK);
+    while (vcan_receive(other).frame.data[0] != 101) /* late ones of before */
         ;
-    begin = expect_sync(other, 2);
+    begin = expect_sync(other, 102);
     for (unsigned i = 0; i < 3; i++)
-        end = expect_sync(other, i % 2 + 1);
+        end = expect_sync(other, 101 + i % 2);
     ck_assert_uint_ge(end - begin + CO_MS(5), 3 * 20 * SHORT);
 }
 END_TEST

@@ -155,7 +155,7 @@ END_TEST
 
 START_TEST(a_slow_reader_learns_what_it_lost)
 {
-    enum { COUNT = 60000 };
+    enum { COUNT = 20000 };
     struct bus *sender = vcan_open("vcan0", false), *reader = vcan_open("vcan0", false);
     uint32_t number, next = 0;
     unsigned lost = 0;
@@ -305,14 +305,22 @@ START_TEST(error_frames_tell_the_state)
 }
 END_TEST
 
-int main(void)
+static void by_io_uring(void)
 {
-    Suite *suite = suite_create("socketcan_vcan");
-    TCase *tests = tcase_create("vcan0");
-    SRunner *runner;
-    int failed;
+    vcan_choose(true);
+}
+
+static void by_poll(void)
+{
+    vcan_choose(false);
+}
+
+static void add_tests(Suite *suite, const char *name, void (*choose)(void))
+{
+    TCase *tests = tcase_create(name);
 
     tcase_set_timeout(tests, 50);
+    tcase_add_checked_fixture(tests, choose, NULL);
     tcase_add_test(tests, a_frame_reaches_the_others);
     tcase_add_test(tests, own_frames_come_back_with_their_tags);
     tcase_add_test(tests, own_frames_are_switched);
@@ -327,6 +335,17 @@ int main(void)
     tcase_add_test(tests, an_interface_may_be_removed_and_made_again);
     tcase_add_test(tests, error_frames_tell_the_state);
     suite_add_tcase(suite, tests);
+}
+
+int main(void)
+{
+    Suite *suite = suite_create("socketcan_vcan");
+    SRunner *runner;
+    int failed;
+
+    if (vcan_has_io_uring())
+        add_tests(suite, "io_uring", by_io_uring);
+    add_tests(suite, "poll", by_poll);
     runner = srunner_create(suite);
     srunner_run_all(runner, CK_NORMAL);
     failed = srunner_ntests_failed(runner);

@@ -6,8 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define RX_BURST 64u      /* frames handled before the lock is given once */
-#define ALONE    CO_MS(1) /* since the frame before: no others will follow it closely */
+#define RX_BURST 64u /* frames handled before the lock is given once */
 
 /* --- devices --- */
 
@@ -83,23 +82,18 @@ static void tell_frames_lost(struct network *self, unsigned count)
     }
 }
 
-enum received {
-    RECEIVED_ALL,
-    RECEIVED_MANY, /* there may be more */
-    RECEIVED_ONE   /* that handlers wait for: they come first, then what may be there besides */
-};
-
-static enum received receive_burst(struct network *self)
+/* What the wait has brought; true: there were frames. */
+static bool receive_burst(struct network *self)
 {
     struct bus_rx rx;
     enum co_err err = CO_OK;
-    bool alone = false;
+    bool got_frames = false;
 
-    for (unsigned i = 0; i < RX_BURST && !(alone && self->woken_count > 0); i++) {
+    for (unsigned i = 0; i < RX_BURST && bus_has_fetched(self->bus); i++) {
         err = bus_receive(self->bus, &rx);
         if (err != CO_OK)
             break;
-        alone = rx.time > self->last_frame + ALONE;
+        got_frames = true;
         self->last_frame = rx.time;
         self->now = rx.time;
         if (rx.lost)
@@ -107,9 +101,7 @@ static enum received receive_burst(struct network *self)
         deliver(self, &rx);
     }
     self->receive_fails = err != CO_OK && err != CO_ERR_AGAIN;
-    if (err != CO_OK)
-        return RECEIVED_ALL;
-    return alone ? RECEIVED_ONE : RECEIVED_MANY;
+    return got_frames;
 }
 
 static void run_due(struct network *self, co_us_t now)
@@ -185,23 +177,23 @@ static void *run(void *context)
     bool closing = false;
 
     while (!closing) {
-        enum received received;
         co_us_t now, deadline;
+        bool more;
 
         begin_step(self);
-        received = receive_burst(self);
-        /* With more to read, time has only come as far as the frames: an answer that is there
-         * already must not be taken for missing. */
-        now = received == RECEIVED_ALL ? clock_now() : self->last_frame;
+        /* With frames, time has only come as far as these: there may be more, and an answer that
+         * is there already must not be taken for missing. A wait that brings none tells that. */
+        now = receive_burst(self) ? self->last_frame : clock_now();
         self->now = now;
         run_due(self, now);
         network_flush(self, now);
         deadline = next_deadline(self);
         signal_changes(self);
         closing = self->closing;
-        self->sleeps_until = received == RECEIVED_MANY ? 0 : deadline;
+        more = bus_has_fetched(self->bus);
+        self->sleeps_until = more ? 0 : deadline;
         end_step(self);
-        if (!closing && received != RECEIVED_MANY)
+        if (!closing && !more)
             wait_for_bus(self, deadline);
     }
     return NULL;

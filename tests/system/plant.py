@@ -32,6 +32,7 @@ INNER_BUS = "MCANOPEN_TEST_INNER_BUS"
 WRAP = os.environ.get("MCANOPEN_TEST_WRAP", "").split()
 BRIEF = bool(os.environ.get("MCANOPEN_TEST_BRIEF"))
 LIMIT = float(os.environ.get("MCANOPEN_TEST_LIMIT", "60"))
+RECEIVE_BUFFER = str(1 << 22)  # bytes, of candump: it may be slower than those it listens to
 CORPUS = Path(os.environ.get("TEST_CORPUS_DIR", ROOT.parent / "shared" / "corpus" / "open"))
 SKIPPED = 77  # exit code that ctest is told to take for "not run"
 
@@ -151,7 +152,9 @@ class Dump:
 
     def __init__(self, test, bus):
         self.test, self.bus = test, bus
-        command = ["candump", "-L", bus.name] if bus.interface else [MCANOPEN, "dump", bus.name]
+        command = [MCANOPEN, "dump", bus.name]
+        if bus.interface:
+            command = ["candump", "-L", "-r", RECEIVE_BUFFER, bus.name]
         self.process = test.start(command)
         if bus.interface:
             self._await_receiver()

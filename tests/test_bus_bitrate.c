@@ -163,6 +163,29 @@ START_TEST(a_frame_comes_at_the_end_of_its_time)
 }
 END_TEST
 
+START_TEST(the_backlog_waits_for_the_wire)
+{
+    struct bus *sender, *reader;
+    unsigned both;
+
+    fixture_choose_bitrate(10000);
+    sender = fixture_open(true);
+    reader = fixture_open(false);
+    ck_assert_uint_eq(bus_backlog(sender), 0);
+    fixture_send(sender, "605#4000100000000000", 9); /* 12.4 ms */
+    fixture_send(sender, "606#4000100000000000", 9);
+    both = bus_backlog(sender);
+    ck_assert_uint_ne(both, 0);
+    ck_assert_uint_eq(bus_backlog(reader), 0);
+    wait_for_frame(sender);
+    ck_assert_uint_ne(bus_backlog(sender), both);
+    wait_for_frame(sender);
+    ck_assert_uint_eq(bus_backlog(sender), 0);
+    bus_close(sender);
+    bus_close(reader);
+}
+END_TEST
+
 START_TEST(nobody_sees_a_frame_before)
 {
     struct bus *sender, *reader;
@@ -415,6 +438,7 @@ static Suite *suite_of_all(void)
     tcase_add_loop_test(tests, all_have_the_rate_of_the_first, 0,
                         sizeof mismatches / sizeof mismatches[0]);
     tcase_add_test(tests, the_bus_tells_its_rate);
+    tcase_add_test(tests, the_backlog_waits_for_the_wire);
     tcase_add_test(tests, a_frame_comes_at_the_end_of_its_time);
     tcase_add_test(tests, nobody_sees_a_frame_before);
     tcase_add_loop_test(tests, frames_follow_each_other_without_a_gap, 0,

@@ -203,6 +203,19 @@ START_TEST(frames_are_translated_both_ways)
 }
 END_TEST
 
+START_TEST(the_backlog_is_what_the_socket_still_has)
+{
+    struct bus *bus = played_open();
+
+    ck_assert_uint_eq(bus_backlog(bus), 0);
+    kernel.backlog = 1536;
+    ck_assert_uint_eq(bus_backlog(bus), 1536);
+    kernel.backlog_error = ENOPROTOOPT; /* before Linux 4.12 */
+    ck_assert_uint_eq(bus_backlog(bus), 0);
+    played_close(bus);
+}
+END_TEST
+
 static const struct {
     int error;
     enum co_err err;
@@ -477,6 +490,7 @@ static Suite *suite_of_all(void)
     tcase_add_loop_test(tests, names_are_checked, 0, LENGTH(bad_names));
     tcase_add_test(tests, the_socket_is_set_up);
     tcase_add_test(tests, the_buffer_is_as_large_as_allowed);
+    tcase_add_test(tests, the_backlog_is_what_the_socket_still_has);
     tcase_add_loop_test(tests, frames_are_translated_both_ways, 0, LENGTH(frame_cases));
     tcase_add_loop_test(tests, errors_are_translated, 0, LENGTH(error_cases));
     tcase_add_test(tests, what_is_no_classic_frame_is_left_out);

@@ -154,6 +154,42 @@ START_TEST(test_time_out)
 }
 END_TEST
 
+/* Where no frame comes back the owner knows when the request has left. */
+START_TEST(test_handed_over)
+{
+    submit(0);
+    ck_assert(sdo_client_awaits_wire(&channel.client));
+    now += CO_MS(500);
+    sdo_client_on_handed_over(&channel.client, now);
+    ck_assert(!sdo_client_awaits_wire(&channel.client));
+    ck_assert_uint_eq(sdo_client_deadline(&channel.client), now + CO_MS(100));
+    now += CO_MS(100) - 1;
+    sdo_client_on_handed_over(&channel.client, now); /* it was, before: nothing new */
+    expect_frame("605#4000200000000000");
+    now++;
+    sdo_client_on_time(&channel.client, now, &out);
+    expect_frame("605#8000200000000405");
+    ck_assert_int_eq(next_done(), 0);
+    ck_assert_uint_eq(requests[0].result.detail, SDO_OUTCOME_NO_ANSWER);
+    sdo_client_on_handed_over(&channel.client, now);
+    ck_assert(!sdo_client_awaits_wire(&channel.client));
+    ck_assert_uint_eq(sdo_client_deadline(&channel.client), CO_NEVER);
+}
+END_TEST
+
+/* What has found no room in the outbox has not left. */
+START_TEST(test_handed_over_without_room)
+{
+    co_outbox_init(&out, NULL, 0, NULL, 0);
+    submit(0);
+    ck_assert(!sdo_client_awaits_wire(&channel.client));
+    sdo_client_on_handed_over(&channel.client, now);
+    ck_assert_uint_eq(sdo_client_deadline(&channel.client), 0);
+    sdo_client_on_time(&channel.client, now + SDO_SEND_TIMEOUT - 1, &out);
+    ck_assert_uint_eq(sdo_client_deadline(&channel.client), 0);
+}
+END_TEST
+
 /* A request that is only queued for the wire is patient as long as others get there. */
 START_TEST(test_progress)
 {
@@ -363,6 +399,8 @@ int main(void)
     tcase_add_checked_fixture(tcase, set_up, NULL);
     tcase_add_test(tcase, test_one_at_a_time);
     tcase_add_test(tcase, test_time_out);
+    tcase_add_test(tcase, test_handed_over);
+    tcase_add_test(tcase, test_handed_over_without_room);
     tcase_add_test(tcase, test_progress);
     tcase_add_test(tcase, test_progress_has_a_limit);
     tcase_add_loop_test(tcase, test_cancel_waiting, 0, 3);

@@ -194,8 +194,22 @@ static void on_own_command(struct manager *self, const struct co_frame *frame, c
     }
 }
 
+bool manager_awaits_wire(const struct manager *self)
+{
+    for (uint8_t node = 1; node <= NETWORK_NODE_MAX; node++)
+        if (sdo_client_awaits_wire(&self->channels[node].client))
+            return true;
+    return false;
+}
+
+void manager_on_handed_over(struct manager *self, co_us_t now)
+{
+    for (uint8_t node = 1; node <= NETWORK_NODE_MAX && self->inner.frame_count == 0; node++)
+        sdo_client_on_handed_over(&self->channels[node].client, now);
+}
+
 /* On a slow bus requests queue for seconds; none of them is stuck as long as one gets through. */
-static void on_own_request(struct manager *self, co_us_t now)
+void manager_on_progress(struct manager *self, co_us_t now)
 {
     for (uint8_t node = 1; node <= NETWORK_NODE_MAX; node++)
         sdo_client_on_progress(&self->channels[node].client, now);
@@ -204,7 +218,7 @@ static void on_own_request(struct manager *self, co_us_t now)
 static void on_own_frame(struct manager *self, const struct co_frame *frame, co_us_t now)
 {
     if (is_in_range(frame, SDO_REQUEST_ID)) {
-        on_own_request(self, now);
+        manager_on_progress(self, now);
         sdo_client_on_frame(&self->channels[frame->id & 0x7Fu].client, frame, now, &self->inner);
     } else {
         on_own_command(self, frame, now);

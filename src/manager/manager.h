@@ -106,6 +106,13 @@ void manager_shut(struct manager *self, co_us_t now, struct co_outbox *out);
 /* True when all nodes that have to be up are: mandatory ones, with 'all' the optional ones too. */
 bool manager_is_up(const struct manager *self, bool all);
 
+/* SDO requests were put out, and nothing has shown yet that they are on the wire ... */
+bool manager_awaits_wire(const struct manager *self);
+/* ... now all frames that were put out are, or will be at once ... */
+void manager_on_handed_over(struct manager *self, co_us_t now);
+/* ... or some more of them, so that the others are only queued behind these. */
+void manager_on_progress(struct manager *self, co_us_t now);
+
 void manager_on_frame(struct manager *self, const struct co_frame *frame, co_us_t now,
                       struct co_outbox *out);
 void manager_on_time(struct manager *self, co_us_t now, struct co_outbox *out);

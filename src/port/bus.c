@@ -111,6 +111,11 @@ enum co_err bus_set_cyclic(struct bus *self, const struct co_frame *frames, unsi
     return CO_ERR_ARG;
 }
 
+unsigned bus_backlog(struct bus *self)
+{
+    return self->ops->backlog(self);
+}
+
 enum bus_state bus_get_state(struct bus *self)
 {
     return self->ops->get_state(self);

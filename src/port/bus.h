@@ -110,6 +110,11 @@ enum co_err bus_set_own_frames(struct bus *self, bool on);
 enum co_err bus_set_cyclic(struct bus *self, const struct co_frame *frames, unsigned count,
                            co_us_t period);
 
+/*
+ * How much of what was sent has not left this machine, in a measure of the bus's own; 0: all is on
+ * the wire, or the controller has it, or the kernel cannot tell.
+ */
+unsigned bus_backlog(struct bus *self);
 enum bus_state bus_get_state(struct bus *self);
 /* How often a SocketCAN bus has become OFF or DOWN: some are over before anybody looks. */
 unsigned bus_outages(const struct bus *self);

@@ -23,6 +23,7 @@ struct bus_ops {
     enum co_err (*set_own_frames)(struct bus *self, bool on);
     enum co_err (*set_cyclic)(struct bus *self, const struct co_frame *frames, unsigned count,
                               co_us_t period); /* arguments are right */
+    unsigned (*backlog)(struct bus *self);
     enum bus_state (*get_state)(struct bus *self);
     void (*explain)(struct bus *self, char *message, size_t message_size);
 };

@@ -14,6 +14,7 @@
 #include <linux/can.h>
 #include <linux/can/error.h>
 #include <linux/can/raw.h>
+#include <linux/sock_diag.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -385,6 +386,18 @@ static void socketcan_wake(struct bus *bus)
 
 /* --- state --- */
 
+/* A frame is charged to the socket until the driver has it. */
+static unsigned socketcan_backlog(struct bus *bus)
+{
+    const struct bus_socketcan *self = to_socketcan(bus);
+    uint32_t memory[SK_MEMINFO_VARS] = { 0 };
+    socklen_t size = sizeof memory;
+
+    if (self->calls->getsockopt(self->fd, SOL_SOCKET, SO_MEMINFO, memory, &size) < 0)
+        return 0;
+    return memory[SK_MEMINFO_WMEM_ALLOC];
+}
+
 static enum bus_state socketcan_get_state(struct bus *bus)
 {
     return can_watch_state(&to_socketcan(bus)->watch);
@@ -478,6 +491,7 @@ static const struct bus_ops socketcan_ops = { .close = socketcan_close,
                                               .set_filters = socketcan_set_filters,
                                               .set_own_frames = socketcan_set_own_frames,
                                               .set_cyclic = socketcan_set_cyclic,
+                                              .backlog = socketcan_backlog,
                                               .get_state = socketcan_get_state,
                                               .explain = socketcan_explain };
 
@@ -533,6 +547,7 @@ const struct socketcan_calls socketcan_system_calls = { .socket = socket,
                                                         .connect = connect,
                                                         .bind = bind,
                                                         .setsockopt = setsockopt,
+                                                        .getsockopt = getsockopt,
                                                         .send = send,
                                                         .recvmsg = recvmsg,
                                                         .recvmmsg = recvmmsg,

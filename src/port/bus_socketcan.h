@@ -15,6 +15,7 @@ struct socketcan_calls {
     int (*connect)(int fd, const struct sockaddr *address, socklen_t size);
     int (*bind)(int fd, const struct sockaddr *address, socklen_t size);
     int (*setsockopt)(int fd, int level, int option, const void *value, socklen_t size);
+    int (*getsockopt)(int fd, int level, int option, void *value, socklen_t *size);
     ssize_t (*send)(int fd, const void *data, size_t size, int flags);
     ssize_t (*recvmsg)(int fd, struct msghdr *message, int flags);
     int (*recvmmsg)(int fd, struct mmsghdr *messages, unsigned count, int flags,

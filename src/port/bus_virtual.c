@@ -302,6 +302,13 @@ static enum co_err virtual_set_cyclic(struct bus *bus, const struct co_frame *fr
 
 /* --- state --- */
 
+static unsigned virtual_backlog(struct bus *bus)
+{
+    const struct bus_virtual *self = to_virtual(bus);
+
+    return atomic_load(&self->segment.map->slots[self->slot].pending);
+}
+
 static enum bus_state virtual_get_state(struct bus *bus)
 {
     struct bus_virtual *self = to_virtual(bus);
@@ -398,6 +405,7 @@ static const struct bus_ops virtual_ops = { .close = virtual_close,
                                             .set_filters = virtual_set_filters,
                                             .set_own_frames = virtual_set_own_frames,
                                             .set_cyclic = virtual_set_cyclic,
+                                            .backlog = virtual_backlog,
                                             .get_state = virtual_get_state,
                                             .explain = virtual_explain };
 

@@ -120,6 +120,7 @@ static co_us_t next_deadline(const struct network *self)
 {
     co_us_t next = self->tx.lost > 0 ? self->tx_tell : CO_NEVER;
 
+    next = co_earlier(next, self->look);
     if (self->refused_until > 0)
         next = co_earlier(next, self->refused_until);
     for (unsigned i = 0; i < self->device_count; i++)
@@ -185,6 +186,7 @@ static void *run(void *context)
          * is there already must not be taken for missing. A wait that brings none tells that. */
         now = receive_burst(self) ? self->last_frame : clock_now();
         self->now = now;
+        network_confirm(self, now);
         run_due(self, now);
         network_flush(self, now);
         deadline = next_deadline(self);
@@ -224,7 +226,7 @@ enum co_err network_open(const struct network_options *options, struct network *
     if (!self)
         return CO_ERR_MEMORY;
     self->options = *options;
-    self->tx_retry = CO_NEVER;
+    self->tx_retry = self->look = CO_NEVER;
     co_outbox_init(&self->out, self->out_frames, OUT_FRAMES, self->out_events, OUT_EVENTS);
     err = lock_init(&self->lock);
     if (err != CO_OK)

@@ -51,6 +51,8 @@ struct network {
     struct tx_queue tx;
     co_us_t tx_retry; /* CO_NEVER: nothing waits */
     co_us_t tx_tell;  /* when losses may be told again */
+    co_us_t look;     /* when the bus is asked what has left; CO_NEVER: not */
+    unsigned backlog; /* what it said last */
     bool busy_told;
     bool receive_fails;
     co_us_t refused_until;             /* 0: it takes frames */
@@ -81,6 +83,15 @@ void network_flush(struct network *self, co_us_t now);
 
 /* What a state of the bus is to a slave. */
 enum slave_bus network_slave_bus(enum bus_state state);
+
+/* network_confirm.c */
+/* The device has put out this frame, and the bus or the queue has it. */
+void network_expect(struct network *self, const struct device *device,
+                    const struct co_frame *frame);
+/* Tells the managers what has left, when it is time to ask. */
+void network_confirm(struct network *self, co_us_t now);
+/* Requests of managers come back from the bus as well. */
+bool network_returns_requests(const struct network *self);
 
 /* network_listen.c */
 /* The bus lets through what the devices listen to. */

@@ -1,15 +1,16 @@
 /* What the bus lets through to the devices, and SYNC that the kernel sends for one of them. */
 #include "runtime/network_internal.h"
 
+#include "proto/sdo_client.h"
+
 static const struct bus_filter everything = { .mask = 0 };
 
-/* A manager listens to ranges: NMT, emergencies and SYNC, SDO both ways, error control with the
- * requests of guarding. */
+/* A manager listens to ranges: NMT, emergencies and SYNC, answers of SDO servers, error control
+ * with the requests of guarding. */
 static const struct bus_filter of_manager[] = {
     { 0x000, 0x7FF, 0, CO_FRAME_EXT | CO_FRAME_RTR },
     { 0x080, 0x780, 0, CO_FRAME_EXT | CO_FRAME_RTR },
     { 0x580, 0x780, 0, CO_FRAME_EXT | CO_FRAME_RTR },
-    { 0x600, 0x780, 0, CO_FRAME_EXT | CO_FRAME_RTR },
     { 0x700, 0x780, 0, CO_FRAME_EXT },
 };
 
@@ -48,11 +49,23 @@ static void add_slave(struct network *network, const struct slave *slave)
     }
 }
 
+/* And to the SDO requests to its own device, or to all, which are its own mostly. */
+static void add_manager(struct network *self, const struct device *device)
+{
+    struct bus_filter requests = { SDO_REQUEST_ID + device->node, 0x7FF, 0,
+                                   CO_FRAME_EXT | CO_FRAME_RTR };
+
+    if (network_returns_requests(self))
+        requests = (struct bus_filter){ SDO_REQUEST_ID, 0x780, 0, CO_FRAME_EXT | CO_FRAME_RTR };
+    for (size_t i = 0; i < sizeof of_manager / sizeof of_manager[0]; i++)
+        add(&self->filters, &of_manager[i]);
+    add(&self->filters, &requests);
+}
+
 static void add_device(struct network *self, const struct device *device)
 {
     if (device->manager)
-        for (size_t i = 0; i < sizeof of_manager / sizeof of_manager[0]; i++)
-            add(&self->filters, &of_manager[i]);
+        add_manager(self, device);
     else if (device->slave)
         add_slave(self, device->slave);
 }

@@ -58,6 +58,7 @@ void network_drain(struct network *self, struct device *device)
     while (co_outbox_take_frame(&self->out, &frame)) {
         frame.tag = device->node;
         put_frame(self, &frame);
+        network_expect(self, device, &frame);
     }
     while (co_outbox_take_event(&self->out, &event)) {
         self->has_events = true;
@@ -102,10 +103,13 @@ static void tell_slaves(struct network *self, enum bus_state state)
 static void change_state(struct network *self, enum bus_state state)
 {
     enum bus_state before = self->bus_state;
+    bool returned = network_returns_requests(self);
 
     if (state == before)
         return;
     self->bus_state = state;
+    if (network_returns_requests(self) != returned)
+        network_listen(self);
     network_tell(self, (struct co_event){ .type = RUNTIME_BUS_STATE, .detail = (uint8_t)state });
     if (is_lost(before) != is_lost(state))
         tell_managers(self, !is_lost(state), network_clock(self));

@@ -7,6 +7,7 @@
 #include <linux/can/raw.h>
 #include <linux/netlink.h>
 #include <linux/rtnetlink.h>
+#include <linux/sock_diag.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -117,6 +118,21 @@ static int play_setsockopt(int fd, int level, int option, const void *value, soc
         kernel.raw_options[option] = number;
     else
         kernel.socket_options[option] = number;
+    return 0;
+}
+
+static int play_getsockopt(int fd, int level, int option, void *value, socklen_t *size)
+{
+    uint32_t memory[SK_MEMINFO_VARS] = { [SK_MEMINFO_WMEM_ALLOC] = kernel.backlog };
+
+    ck_assert_int_eq(fd, kernel.can[0]);
+    ck_assert_int_eq(level, SOL_SOCKET);
+    ck_assert_int_eq(option, SO_MEMINFO);
+    ck_assert_uint_eq(*size, sizeof memory);
+    kernel.backlog_asked++;
+    if (kernel.backlog_error)
+        return failure(kernel.backlog_error);
+    memcpy(value, memory, sizeof memory);
     return 0;
 }
 
@@ -257,6 +273,7 @@ const struct socketcan_calls played_calls = { .socket = play_socket,
                                               .connect = play_connect,
                                               .bind = play_bind,
                                               .setsockopt = play_setsockopt,
+                                              .getsockopt = play_getsockopt,
                                               .send = play_send,
                                               .recvmsg = play_recvmsg,
                                               .recvmmsg = play_recvmmsg };

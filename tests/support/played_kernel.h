@@ -46,10 +46,13 @@ struct played_kernel {
     struct can_filter filters[600];
     size_t filter_count;
     int raw_options[8], socket_options[80];
-    int bound;             /* index */
-    unsigned binds;        /* how often */
-    unsigned requests;     /* for the interface */
-    struct can_frame sent; /* the last one */
+    int bound;         /* index */
+    unsigned binds;    /* how often */
+    unsigned requests; /* for the interface */
+    unsigned backlog;  /* bytes of the socket that wait to be sent */
+    int backlog_error;
+    unsigned backlog_asked; /* how often */
+    struct can_frame sent;  /* the last one */
     struct can_frame log[PLAYED_LOG];
     unsigned sent_count;
     struct played_job job;

@@ -19,6 +19,7 @@ import transfer_rows
 from rows import ROOT, Bench
 
 BUS_MINUTES = 14
+LANES = bus_rows.ROWS, transfer_rows.ROWS  # user-mode-linux has 15 minutes for each
 ON_BUS = bus_rows.ROWS + transfer_rows.ROWS
 
 
@@ -39,12 +40,12 @@ def explain(output):
     return (cannot or lines)[-1], "not measured" if cannot else "error"
 
 
-def run_on_vcan(options):
-    """The rows on a bus, in the network or kernel that tests/vcan/run.sh brings."""
+def run_on_vcan(options, names):
+    """These rows on a bus, in the network or kernel that tests/vcan/run.sh brings."""
     folder = Bench(options.build, "").folder
     results, script = folder / "bus.json", folder / "bus.sh"
     command = [sys.executable, "-B", __file__, "--build", options.build, "--bus", "vcan0",
-               "--results", str(results), *(["--smoke"] if options.smoke else []), *options.rows]
+               "--results", str(results), *(["--smoke"] if options.smoke else []), *names]
     script.write_text(f"exec {shlex.join(command)}\n", encoding="utf-8")
     results.unlink(missing_ok=True)
     environment = dict(os.environ, MCANOPEN_VCAN_SECONDS=str(60 * BUS_MINUTES))
@@ -55,7 +56,17 @@ def run_on_vcan(options):
         place = lane.stderr.strip().rpartition(", ")[2]
         return json.loads(results.read_text(encoding="utf-8")), place
     reason, verdict = explain(lane.stdout + lane.stderr)
-    return fail_all(ON_BUS, options.rows, reason, verdict), ""
+    return fail_all(ON_BUS, names, reason, verdict), ""
+
+
+def run_lanes(options):
+    results, place = [], ""
+    for rows in LANES:
+        names = [row.name for row in rows if not options.rows or row.name in options.rows]
+        if names:
+            found, place = run_on_vcan(options, names)
+            results += found
+    return results, place
 
 
 def measure(options):
@@ -64,10 +75,8 @@ def measure(options):
         place = options.bus
         results = run_rows(ON_BUS, Bench(options.build, options.bus, options.smoke),
                            options.rows)
-    elif any(not options.rows or row.name in options.rows for row in ON_BUS):
-        results, place = run_on_vcan(options)
     else:
-        results, place = [], ""
+        results, place = run_lanes(options)
     here = Bench(options.build, f"virtual:bench-{os.getpid()}", options.smoke)
     return results + run_rows(count_rows.ROWS, here, options.rows), place
 

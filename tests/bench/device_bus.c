@@ -73,7 +73,7 @@ static void fill(uint8_t *memory)
 int device_serve_domains(unsigned long number)
 {
     static uint8_t memory[DEVICE_LARGE_SIZE];
-    struct device device = { .transmission = WITHOUT_PDO };
+    struct device device = { .info = { .ulOptions = BLOCK_TRANSFER }, .transmission = WITHOUT_PDO };
 
     (void)number;
     fill(memory);

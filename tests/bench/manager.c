@@ -14,7 +14,7 @@
 #include <time.h>
 
 struct job {
-    bool write, check;
+    bool write, block, check;
     int node, index, size;
     unsigned long count;
     uint8_t *data;
@@ -41,14 +41,15 @@ static int fail(const char *what, int result)
 
 static int transfer(const struct job *self)
 {
+    const unsigned short node = (unsigned short)self->node;
+    const int block = self->block ? TYP_BLOCK : 0;
     int size = self->size;
     int result;
 
     if (self->write)
-        return mcanOpenWriteSDO(0, (unsigned short)self->node, self->index, 0,
-                                TYP_DOMAIN | TYP_INDICATE_SIZE, self->data, size, NULL);
-    result = mcanOpenReadSDO(0, (unsigned short)self->node, self->index, 0, self->data, &size,
-                             NULL);
+        return mcanOpenWriteSDO(0, node, self->index, 0, TYP_DOMAIN | TYP_INDICATE_SIZE | block,
+                                self->data, size, NULL);
+    result = mcanOpenReadSDO(0, node, self->index, block, self->data, &size, NULL);
     return result == MCANOPEN_OK && size != self->size ? MCAL_WRONG_SERVER_ANSWER : result;
 }
 
@@ -93,8 +94,8 @@ static int start_manager(const char *config)
 
 static int explain(void)
 {
-    puts("usage: bench_manager CONFIG read|write NODE INDEX BYTES TIMES\n"
-         "  up to 4 bytes go expedited, and are not looked at; more in segments");
+    puts("usage: bench_manager CONFIG read|write|read-block|write-block NODE INDEX BYTES TIMES\n"
+         "  up to 4 bytes go expedited, and are not looked at; more in segments, or in blocks");
     return 2;
 }
 
@@ -105,7 +106,8 @@ int main(int argc, char **argv)
 
     if (argc != 7)
         return explain();
-    job = (struct job){ .write = strcmp(argv[2], "write") == 0,
+    job = (struct job){ .write = strncmp(argv[2], "write", 5) == 0,
+                        .block = strstr(argv[2], "-block") != NULL,
                         .node = atoi(argv[3]),
                         .index = (int)strtoul(argv[4], NULL, 0),
                         .size = atoi(argv[5]),

@@ -41,11 +41,11 @@ class Row:
         return result
 
 
-def compare(bench, better, ours, neutral, turns=5):
+def compare(bench, better, ours, neutral, turns=5, rounds=None):
     """Medians of the rounds. In each of them both take turns, and what counts is the best turn:
     what others do on this machine makes it slower, never faster."""
     pairs = []
-    for _ in range(bench.rounds):
+    for _ in range(min(rounds or bench.rounds, bench.rounds)):
         results = [(ours(), neutral()) for _ in range(bench.count(turns, 1))]
         pairs.append(tuple(better(side) for side in zip(*results)))
     ours, neutral = zip(*pairs)

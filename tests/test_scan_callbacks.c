@@ -84,10 +84,15 @@ static int write_pdo_and_wait(void)
     return canOpenWritePDO(tx_done, NULL);
 }
 
+static int set_store_file(void)
+{
+    return canOpenSetStoreFile(node, "/tmp/mcanopen-no-such-file");
+}
+
 static int (*const refused[])(void) = {
-    create_network, create_network_ex, remove_network, create_node,
-    create_node_ex, delete_node,       activate_node,  reset_node,
-    read_pdo,       request_pdo,       wait_for_state, write_pdo_and_wait,
+    create_network, create_network_ex,  remove_network, create_node, create_node_ex,
+    delete_node,    activate_node,      reset_node,     read_pdo,    request_pdo,
+    wait_for_state, write_pdo_and_wait, set_store_file,
 };
 
 /* --- allowed --- */
@@ -156,9 +161,14 @@ static int reset_error(void)
     return result == SCANOPEN_OK ? canOpenResetError(node, ERROR_CURRENT, NULL) : result;
 }
 
+static int send_time(void)
+{
+    return canOpenSendTime(node, NULL);
+}
+
 static int (*const allowed[])(void) = {
     get_info,  get_parameter, set_parameter, get_versions, use_dictionary,
-    use_entry, write_pdo,     set_error,     reset_error,
+    use_entry, write_pdo,     set_error,     reset_error,  send_time,
 };
 
 /* --- the callbacks --- */
@@ -167,6 +177,8 @@ static int on_event(SLAVE_EVENT *event)
 {
     if (event->ulEvent == EV_STATE_CHANGE && event->ulArg1 == NodeOperational)
         scan_note("event %d", atomic_load(&chosen)());
+    if (event->ulEvent == EV_CONFIGURATION)
+        scan_note("save %d", atomic_load(&chosen)());
     return SCANOPEN_OK;
 }
 
@@ -209,8 +221,10 @@ static void set_up(void)
 {
     const uint16_t output[] = { 0x2000, 0, 0, 0 }, input[] = { 0x2001, 0, 0, 0 };
     const uint16_t other[] = { 0x2003, 0, 0, 0 };
-    const SLAVE_NODE_INFO info = scan_info();
+    SLAVE_NODE_INFO info = scan_info();
 
+    info.ulOptions |= PARAMETER_STORE | TIME_STAMP;
+    info.ulTimestampCobId = TIME_PRODUCE | DEFAULT_TIME_COBID;
     plant = scan_plant_new(0);
     ck_assert_int_eq(canOpenCreateNodeEx(0, 5, on_event, &info, &node), SCANOPEN_OK);
     add_objects();
@@ -231,8 +245,10 @@ static void tear_down(void)
 /* Every kind of callback makes the call once. */
 static void expect_from_callbacks(int (*call)(void), int result)
 {
-    const char *const forms[] = { "event %d", "0/5 2000:00 set %d", "0/5 2001:00 wanted %d",
-                                  "0/5 2000:00 set %d", "0/5 2002:00 set %d" };
+    const char *const forms[] = {
+        "event %d",           "0/5 2000:00 set %d", "0/5 2001:00 wanted %d",
+        "0/5 2000:00 set %d", "0/5 2002:00 set %d", "save %d"
+    };
     char notes[COUNT(forms)][40];
 
     for (unsigned i = 0; i < COUNT(forms); i++)
@@ -249,6 +265,8 @@ static void expect_from_callbacks(int (*call)(void), int result)
     scan_expect_note(notes[3]);
     ck_assert_uint_eq(scan_sdo_write(plant, 5, 0x2002, 0, 1, 9), 0);
     scan_expect_note(notes[4]);
+    ck_assert_uint_eq(scan_sdo_write(plant, 5, 0x1010, 1, 4, 0x65766173), 0);
+    scan_expect_note(notes[5]);
     ck_assert_int_eq(scan_state(node), NodeOperational);
 }
 

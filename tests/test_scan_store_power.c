@@ -241,6 +241,35 @@ START_TEST(a_slow_disk)
 }
 END_TEST
 
+/* Two clients at once, on two channels: one after the other is served, and both are answered. */
+START_TEST(two_clients)
+{
+    SLAVE_NODE_INFO info = store_info(0);
+
+    store_make_folder();
+    store_plant = scan_plant_new(0);
+    info.ulOptions |= ADDITIONAL_SDOS;
+    info.ucServerSDO = 2;
+    store_node = scan_node(store_plant, 5, &info);
+    ck_assert_int_eq(canOpenSetStoreFile(store_node, store_path), SCANOPEN_OK);
+    scan_activate(store_plant, store_node);
+    ck_assert_uint_eq(scan_sdo_write(store_plant, 5, 0x1201, 1, 4, 0x680), 0);
+    ck_assert_uint_eq(scan_sdo_write(store_plant, 5, 0x1201, 2, 4, 0x681), 0);
+    pthread_mutex_lock(&gate);
+    slow = true;
+    scan_send(store_plant, "605#2310100173617665");
+    scan_expect_note("writes");
+    scan_forget(store_plant);
+    scan_send(store_plant, "680#231110016C6F6164");
+    pthread_mutex_unlock(&gate);
+    scan_expect(store_plant, "585#6010100100000000");
+    scan_expect(store_plant, "681#6011100100000000");
+    slow = false;
+    ck_assert_uint_eq(store_files(), 1);
+    store_tear_down();
+}
+END_TEST
+
 int main(void)
 {
     TCase *tcase = tcase_create("power");
@@ -249,5 +278,6 @@ int main(void)
     tcase_add_test(tcase, each_call_fails);
     tcase_add_test(tcase, the_power_fails_at_each_call);
     tcase_add_test(tcase, a_slow_disk);
+    tcase_add_test(tcase, two_clients);
     return suite_run("scan_store_power", tcase);
 }

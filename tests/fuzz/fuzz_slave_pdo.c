@@ -6,12 +6,14 @@
  *     0..79      a frame: one byte for its identifier, one for its length and kind, and data
  *     80..159    a client writes: one byte for the object, one for its size, and 4 bytes
  *     160..199   time passes: one byte, in units of 500 us
- *     200..247   the application: one byte for what it does, one for an entry, number or code
+ *     200..247   the application, or the bus: one byte for what it does, one for an entry,
+ *                number or code
  *     248..255   an NMT command: one byte
  *
  * The low bits of the step say how much room the outbox has in it.
  */
 #include "base/bytes.h"
+#include "proto/event.h"
 #include "slave/slave.h"
 #include "slave/slave_internal.h"
 
@@ -80,6 +82,12 @@ static const struct {
     { 0x2001, 0, OD_INTEGER16, 0, false },
     { 0x2002, 0, OD_BOOLEAN, 0, false },
     { 0x2003, 0, OD_UNSIGNED32, 0, true },
+    { 0x1001, 0, OD_UNSIGNED8, 0, false },
+    { 0x1015, 0, OD_UNSIGNED16, 0, false },
+    { 0x1016, 1, OD_UNSIGNED32, 0x00070005, false },
+    { 0x1016, 2, OD_UNSIGNED32, 0, false },
+    { 0x1028, 1, OD_UNSIGNED32, 0x87, false },
+    { 0x1029, 1, OD_UNSIGNED8, 0, false },
 };
 
 #define OBJECTS (sizeof objects / sizeof objects[0])
@@ -106,8 +114,9 @@ static void make_device(struct fuzz *self)
         const struct od_spec spec = { .index = objects[i].index,
                                       .sub = objects[i].sub,
                                       .type = objects[i].type,
-                                      .access = OD_RW,
-                                      .mappable = objects[i].index >= 0x2000,
+                                      .access = objects[i].index == 0x1001 ? OD_RO : OD_RW,
+                                      .mappable = objects[i].index >= 0x2000 ||
+                                                  objects[i].index == 0x1001,
                                       .value = bytes,
                                       .size = od_type_size(objects[i].type) };
         struct od_entry *entry = NULL;
@@ -126,9 +135,10 @@ static void make_device(struct fuzz *self)
 
 static void hear(struct fuzz *self, struct input *input)
 {
-    static const uint16_t ids[] = { 0x80, 0x205, 0x305, 0x185, 0x285, 0x385, 0x705, 0x605 };
+    static const uint16_t ids[] = { 0x80,  0x205, 0x305, 0x185, 0x285, 0x385, 0x705, 0x605,
+                                    0x707, 0x087, 0x80,  0x205, 0x305, 0x185, 0x285, 0x385 };
     const uint8_t which = take(input), kind = take(input);
-    struct co_frame frame = co_frame_make(ids[which % 8], kind % 9);
+    struct co_frame frame = co_frame_make(ids[which % 16], kind % 9);
 
     frame.flags = (uint8_t)((kind & 0x10 ? CO_FRAME_RTR : 0) | (kind & 0x20 ? CO_FRAME_OWN : 0) |
                             (kind & 0x40 ? CO_FRAME_EXT : 0));
@@ -151,6 +161,24 @@ static void write_object(struct fuzz *self, struct input *input)
     slave_on_frame(&self->slave, &frame, self->now, &self->out);
 }
 
+static void apply_error(struct fuzz *self, uint8_t what, uint8_t which)
+{
+    const struct slave_error error = { .code = 0x1000,
+                                       .error_register = which & 0x82,
+                                       .field = { which, which } };
+
+    switch (what % 6) {
+    case 0: slave_raise_error(&self->slave, &error, self->now, &self->out); break;
+    case 1:
+        slave_clear_error(&self->slave, which & 0x82, error.field, self->now, &self->out);
+        break;
+    case 2: slave_on_bus(&self->slave, (enum slave_bus)(which % 3), self->now, &self->out); break;
+    case 3: slave_on_frames_lost(&self->slave, self->now, &self->out); break;
+    case 4: slave_lose_pdos(&self->slave, which, self->now, &self->out); break;
+    default: slave_pdos_taken(&self->slave, self->now, &self->out); break;
+    }
+}
+
 static void apply(struct fuzz *self, struct input *input)
 {
     const uint8_t what = take(input), which = take(input);
@@ -159,6 +187,10 @@ static void apply(struct fuzz *self, struct input *input)
                                              self->slave.channels[0].server.number - (which & 1) };
     struct od_entry *entry = od_find(&self->od, (uint16_t)(0x2000 + which % 4), 0);
 
+    if (what >= 192) {
+        apply_error(self, what, which);
+        return;
+    }
     switch (what % 8) {
     case 0: slave_pdo_send(&self->slave, number, self->now, &self->out); break;
     case 1:
@@ -196,7 +228,7 @@ static void drain(struct fuzz *self)
     while (co_outbox_take_frame(&self->out, &frame))
         check(frame.dlc <= 8);
     while (co_outbox_take_event(&self->out, &event)) {
-        check(event.node == NODE);
+        check(event.node == NODE || event.type == SLAVE_WATCH || event.type == PROTO_HB_STATE);
         if (event.type == SLAVE_TPDO_WANTED)
             self->asks[event.index - 1] = event.code;
     }
@@ -206,8 +238,10 @@ static void drain(struct fuzz *self)
 static void check_device(const struct fuzz *self)
 {
     const struct slave_pdos *pdos = self->slave.pdos;
-    const uint64_t errors = od_number(&self->od, 0x1001, 0, 0);
+    const struct slave_errors *errors = &self->slave.errors;
+    const uint64_t bits = od_number(&self->od, 0x1001, 0, 0);
     unsigned faults = self->slave.told_sync_wrong;
+    bool wrong;
 
     for (unsigned i = 0; i < pdos->rpdo_count; i++) {
         faults += pdos->rpdos[i].told_fault != 0;
@@ -216,8 +250,10 @@ static void check_device(const struct fuzz *self)
     }
     for (unsigned i = 0; i < pdos->tpdo_count; i++)
         check(tpdo_deadline(&pdos->tpdos[i]) >= pdos->deadline);
-    check(self->slave.faults == faults);
-    check((errors & 0x10) == (faults > 0 ? 0x10 : 0));
+    check(errors->faults == faults + errors->overrun + errors->pdos_lost);
+    wrong = errors->faults + errors->lost > 0 || errors->told_bus != SLAVE_BUS_OK;
+    check((bits & 0x10) == (wrong ? 0x10 : 0));
+    check((bits & 1) == (wrong || errors->application > 0));
 }
 
 static void check_mapping(const struct fuzz *self)
@@ -266,6 +302,7 @@ static void settle(struct fuzz *self)
         drain(self);
     }
     check(slave_deadline(&self->slave) > self->now);
+    check(self->slave.errors.told_bus == self->slave.errors.bus);
     check_device(self);
     check_mapping(self);
 }

@@ -335,19 +335,6 @@ START_TEST(test_no_blocks)
 }
 END_TEST
 
-/* The client's settings outlive its transfers. */
-START_TEST(test_reserve)
-{
-    channel.client.reserve = 5;
-    submit(0);
-    ck_assert(sdo_channel_cancel(&channel, &requests[0], SDO_OK, now, &out));
-    ck_assert_uint_eq(channel.client.reserve, 5);
-    submit(0);
-    ck_assert_int_eq(give_up(), 0);
-    ck_assert_uint_eq(channel.client.reserve, 5);
-}
-END_TEST
-
 /* No room to tell the server: not now, and nothing has changed. */
 START_TEST(test_cancel_without_room)
 {
@@ -408,7 +395,6 @@ int main(void)
     tcase_add_test(tcase, test_cancel_segments);
     tcase_add_loop_test(tcase, test_cancel_ended, 0, 2);
     tcase_add_test(tcase, test_no_blocks);
-    tcase_add_test(tcase, test_reserve);
     tcase_add_test(tcase, test_cancel_without_room);
     tcase_add_test(tcase, test_cancel_with_end_untold);
     return suite_run("sdo_channel", tcase);

@@ -12,12 +12,6 @@
  */
 #define EVENT_ROOM (MANAGER_INNER_EVENTS - 256u)
 
-static void init_channel(struct sdo_channel *channel, uint8_t node)
-{
-    sdo_channel_init(channel, node);
-    channel->client.reserve = MANAGER_INNER_FRAMES / 2;
-}
-
 enum co_err manager_init(struct manager *self, const struct network_config *config)
 {
     enum co_err err;
@@ -30,7 +24,7 @@ enum co_err manager_init(struct manager *self, const struct network_config *conf
                    MANAGER_INNER_EVENTS);
     for (uint8_t node = 1; node <= NETWORK_NODE_MAX; node++) {
         boot_node_init(&self->nodes[node], node, network_config_node(config, node));
-        init_channel(&self->channels[node], node);
+        sdo_channel_init(&self->channels[node], node);
     }
     od_init(&self->od);
     err = manager_od_fill(config, &self->od);

@@ -29,7 +29,8 @@
 #include "manager/sdo_channel.h"
 #include "slave/slave.h"
 
-#define MANAGER_INNER_FRAMES 512u /* half of them for segments of block transfers */
+/* For the segments of block transfers to all nodes, and for all else. */
+#define MANAGER_INNER_FRAMES (NETWORK_NODE_MAX * SDO_CLIENT_WINDOW + 256u)
 #define MANAGER_INNER_EVENTS 2048u
 
 enum boot_network_state {

@@ -15,15 +15,6 @@ void sdo_channel_forget(struct sdo_channel *self)
     self->no_blocks = false;
 }
 
-/* Ends what the client does, silently. */
-static void drop_transfer(struct sdo_channel *self)
-{
-    const unsigned reserve = self->client.reserve;
-
-    sdo_client_init(&self->client, self->client.node);
-    self->client.reserve = reserve;
-}
-
 static void start_next(struct sdo_channel *self, co_us_t now, struct co_outbox *out)
 {
     struct sdo_request *request = self->first;
@@ -77,7 +68,7 @@ static bool end_running(struct sdo_channel *self, sdo_abort_t code, struct co_ou
     bool busy = sdo_client_busy(&self->client);
 
     if (busy && code == SDO_OK) {
-        drop_transfer(self); /* the server has forgotten it too */
+        sdo_client_init(&self->client, self->client.node); /* the server has forgotten it too */
         return true;
     }
     if (busy && !sdo_client_cancel(&self->client, code, out))
@@ -148,7 +139,7 @@ struct sdo_request *sdo_channel_give_up(struct sdo_channel *self)
     struct sdo_request *request = self->running;
 
     if (request) {
-        drop_transfer(self);
+        sdo_client_init(&self->client, self->client.node);
         self->running = NULL;
     } else {
         request = self->first;

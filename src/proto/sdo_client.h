@@ -27,8 +27,9 @@
  *   owner    the manager: one client for each remote node
  *   locking  none; the owner's
  *
- * The segments of a block download fill what room there is in the outbox but for 'reserve', as
- * those of a server.
+ * Of the segments of a block download at most SDO_CLIENT_WINDOW are on their way to the wire; the
+ * next ones follow as these get there. So neither the outbox nor what is behind it fills up, and
+ * the transfers of other clients get on.
  */
 #ifndef CO_PROTO_SDO_CLIENT_H
 #define CO_PROTO_SDO_CLIENT_H
@@ -37,8 +38,9 @@
 #include "base/time.h"
 #include "proto/sdo.h"
 
-#define SDO_SEND_TIMEOUT CO_MS(2000)  /* for a request to get on the wire ... */
-#define SDO_SEND_LIMIT   CO_MS(10000) /* ... if that makes progress */
+#define SDO_CLIENT_WINDOW 8u           /* segments */
+#define SDO_SEND_TIMEOUT  CO_MS(2000)  /* for a request to get on the wire ... */
+#define SDO_SEND_LIMIT    CO_MS(10000) /* ... if that makes progress */
 
 enum sdo_outcome {
     SDO_OUTCOME_OK,
@@ -94,6 +96,8 @@ struct sdo_client {
         struct block_sender sender;
         struct block_receiver receiver;
     };
+    uint8_t
+        on_wire_up_to;  /* block download: number of the last segment that is known to be there */
     uint32_t position;  /* bytes transferred */
     uint32_t announced; /* size the server indicated in an upload; UINT32_MAX: none */
     uint8_t last_size;  /* data bytes in the segment sent last */

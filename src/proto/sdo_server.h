@@ -26,7 +26,8 @@
  *
  * A request needs room for one frame and one event in the outbox: one that finds none changes
  * nothing but 'dropped'; the owner may bring it again. The segments of a block upload fill what
- * room there is, but for 'reserve', up to a sub-block in one call, and the rest is due at once.
+ * room there is, up to a sub-block in one call, and the rest is due at once: the owner who wants
+ * less at a time gives an outbox with room for less.
  */
 #ifndef CO_PROTO_SDO_SERVER_H
 #define CO_PROTO_SDO_SERVER_H
@@ -61,9 +62,8 @@ struct sdo_server {
     uint8_t state; /* enum sdo_server_state */
     bool enabled;  /* NMT state pre-operational or operational */
     bool toggle;
-    bool unsent;      /* the response to what the owner decided, or segments, found no room yet */
-    bool block;       /* set by the owner: block transfers are served */
-    unsigned reserve; /* set by the owner: room for frames that segments leave to others */
+    bool unsent; /* the response to what the owner decided, or segments, found no room yet */
+    bool block;  /* set by the owner: block transfers are served */
     uint8_t block_limit; /* set by the owner: segments in a sub-block to it, 1..SDO_BLOCK_MAX */
     uint8_t form;        /* enum sdo_server_form, as the request was */
     uint16_t index;

@@ -38,7 +38,7 @@ void sdo_server_send_segments(struct sdo_server *self, co_us_t now, struct co_ou
 {
     uint8_t data[8];
 
-    while (block_sender_has_segment(&self->sender) && co_outbox_room(out, 1 + self->reserve, 0)) {
+    while (block_sender_has_segment(&self->sender) && co_outbox_room(out, 1, 0)) {
         block_sender_take_segment(&self->sender, data);
         sdo_server_put(self, data, out);
     }

@@ -5,6 +5,8 @@
 #include "support/watch.h"
 
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #define DATES                                                                                      \
     "<Configuration_Date>5000</Configuration_Date>"                                                \
@@ -213,6 +215,55 @@ START_TEST(test_blocks)
 }
 END_TEST
 
+#define MANY  40u
+#define LARGE 2000u
+
+static void add_large_object(struct plant_device *device)
+{
+    const struct od_spec spec = {
+        .index = 0x2010, .type = OD_DOMAIN, .access = OD_RW, .capacity = LARGE
+    };
+    struct sdo_server *server = &device->slave.channels[0].server;
+
+    ck_assert_int_eq(od_add(&device->od, &spec, NULL), CO_OK);
+    server->buffer = realloc(server->buffer, LARGE);
+    ck_assert_ptr_nonnull(server->buffer);
+    device->slave.buffer_size = LARGE;
+}
+
+/* More segments than the bus takes in a server's time-out: the nodes have to share it. */
+START_TEST(test_blocks_of_many)
+{
+    static uint8_t value[LARGE] = { 1, 2, 3 };
+    static char xml[MANY * 120];
+    struct plant *plant;
+
+    for (unsigned node = 1; node <= MANY; node++)
+        snprintf(xml + strlen(xml), sizeof xml - strlen(xml),
+                 "<Node_Instance><Node_Id>%u</Node_Id><SDO_Block_Size>127</SDO_Block_Size>"
+                 "<SDO_Timeout>1000</SDO_Timeout></Node_Instance>",
+                 node);
+    plant = plant_new(xml, 1000000);
+    for (uint8_t node = 1; node <= MANY; node++) {
+        add_large_object(plant_add_device(plant, node));
+        ck_assert_int_eq(ccf_append(&plant->config->nodes[node - 1].ccf, 0x2010, 0, value, LARGE),
+                         CO_OK);
+    }
+    plant_power_on(plant);
+    plant_run_ms(plant, 5000);
+    for (uint8_t node = 1; node <= MANY; node++) {
+        const struct od_entry *entry = od_find(&plant->devices[node]->od, 0x2010, 0);
+
+        ck_assert(plant_node(plant, node)->booted);
+        ck_assert_uint_eq(entry->size, LARGE);
+        ck_assert_mem_eq(entry->value, value, LARGE);
+        ck_assert_uint_eq(plant_sent(plant, "605#201020"), 0);
+        ck_assert_uint_eq(plant_sent(plant, "605#211020"), 0);
+    }
+    plant_free(plant);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tcase = tcase_create("configuration");
@@ -222,6 +273,7 @@ int main(void)
     tcase_add_test(tcase, test_dates_of_configuration);
     tcase_add_test(tcase, test_save);
     tcase_add_loop_test(tcase, test_blocks, 0, sizeof blocks / sizeof blocks[0]);
+    tcase_add_test(tcase, test_blocks_of_many);
     tcase_add_loop_test(tcase, test_slow_flash, 0, 2);
     return suite_run("configuration", tcase);
 }

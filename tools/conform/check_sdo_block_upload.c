@@ -15,6 +15,7 @@
 struct upload {
     const struct conform_object *object;
     uint8_t block_size;
+    bool strict;                /* an ordinary upload is no answer */
     bool crc;                   /* both sides use it */
     struct conform_value plain; /* as an ordinary upload brings it */
     struct conform_value value; /* what has come; until the end with what the last segment has
@@ -26,9 +27,20 @@ struct upload {
 
 /* --- the protocol, step by step --- */
 
-static bool has_no_blocks(const uint8_t answer[8])
+/* Servers without block uploads say so, or answer with an ordinary upload, which is a finding of
+ * the first check alone. */
+static bool has_no_blocks(struct conform *self, const struct upload *upload,
+                          const uint8_t answer[8])
 {
-    return answer[0] == 0x80 && get_le32(answer + 4) == SDO_COMMAND;
+    if (answer[0] == 0x80 && get_le32(answer + 4) == SDO_COMMAND) {
+        conform_skip(self, "the server has no block uploads");
+        return true;
+    }
+    if (answer[0] >> 5 != 2 || upload->strict)
+        return false;
+    check_give_up(self, upload->object);
+    conform_skip(self, "the server answers with ordinary uploads: see sdo-block-upload");
+    return true;
 }
 
 static void make_initiate(const struct upload *upload, uint8_t command, uint8_t block_size,
@@ -76,8 +88,8 @@ static bool start(struct conform *self, struct upload *upload, bool crc, uint8_t
     if (!conform_exchange(self, request, answer))
         return conform_fail(self, "block upload of %04Xh:%02X: no answer", upload->object->index,
                             upload->object->sub);
-    if (has_no_blocks(answer))
-        return conform_skip(self, "the server has no block uploads");
+    if (has_no_blocks(self, upload, answer))
+        return false;
     if ((answer[0] & 0xF9) != 0xC0 || memcmp(answer + 1, request + 1, 3) != 0)
         return conform_fail(self, "block upload of %04Xh:%02X: expected C0 to C6, received %02X",
                             upload->object->index, upload->object->sub, answer[0]);
@@ -259,6 +271,8 @@ static bool check_block_size(struct conform *self)
         make_initiate(&upload, 0xA0, wrong[i], 0, request);
         snprintf(what, sizeof what, "block upload with block size %u", wrong[i]);
         conform_exchange(self, request, answer);
+        if (answer[0] >> 5 == 2 && has_no_blocks(self, &upload, answer))
+            return false;
         if (!conform_must_answer_abort(self, what, answer,
                                        CODES(SDO_BLOCK_SIZE, SDO_COMMAND, SDO_GENERAL)))
             return false;
@@ -294,8 +308,9 @@ static bool check_switch(struct conform *self)
     make_initiate(&upload, 0xA0, 20, 255, request);
     if (!conform_exchange(self, request, answer))
         return conform_fail(self, "block upload with a threshold of 255 bytes: no answer");
-    if (has_no_blocks(answer))
-        return conform_skip(self, "the server has no block uploads");
+    upload.strict = true; /* here both are right */
+    if (has_no_blocks(self, &upload, answer))
+        return false;
     if (answer[0] != 0x43 && (answer[0] & 0xF9) != 0xC0)
         return conform_fail(self,
                             "block upload with a threshold of 255 bytes: expected 43 or C0 "

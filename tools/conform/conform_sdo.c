@@ -256,9 +256,11 @@ bool conform_must_abort(struct conform *self, const char *what, uint32_t result,
 bool conform_must_answer_abort(struct conform *self, const char *what, const uint8_t answer[8],
                                const uint32_t *codes)
 {
+    static const uint8_t silence[8]; /* as conform_exchange() has it */
+
     if (answer[0] == 0x80)
         return conform_must_abort(self, what, get_le32(answer + 4), codes);
-    if (answer[0] == 0) /* what conform_exchange() gives for silence; no segment is asked for */
+    if (memcmp(answer, silence, sizeof silence) == 0)
         return conform_must_abort(self, what, CONFORM_NO_ANSWER, codes);
     return conform_fail(self, "%s: expected abort %08X, received %02X %02X %02X %02X ...", what,
                         (unsigned)codes[0], answer[0], answer[1], answer[2], answer[3]);

@@ -5,7 +5,7 @@ import time
 from pathlib import Path
 
 import plant
-from devices import UNSIGNED8, Entry, Record, dcf, network, node, standard
+from devices import UNSIGNED8, UNSIGNED32, Entry, Record, dcf, network, node, standard
 
 DOWN = "20000040#0000000000000000"  # error frames: bus-off,
 BACK = "20000100#0000000000000000"  # restarted,
@@ -20,7 +20,9 @@ class Outage(plant.PlantTest):
         self.set("up")
         io = Record(0x6200, [Entry(0x6200, UNSIGNED8, 0, "rw", "0x55")])
         for number in (5, 6):
-            self.write(f"{number}.dcf", dcf(number, [*standard(number, heartbeat=100), io]))
+            emergency = Entry(0x1014, UNSIGNED32, "$NODEID+0x80", "rw")
+            objects = [*standard(number, heartbeat=100), emergency, io]
+            self.write(f"{number}.dcf", dcf(number, objects))
         nodes = [node(number, NMT_Mandatory_Slave="TRUE", Consumer_Heartbeat_Time=1000,
                       DCF_File=f"{number}.dcf") for number in (5, 6)]
         self.xml = self.write("network.xml", network(nodes, NMT_Action_On_Error="RESET_ALL"))
@@ -107,14 +109,20 @@ class Outage(plant.PlantTest):
         self.ip("del", "vcan7")
 
     def test_bus_off(self):
-        """error passive, bus-off, restarted"""
+        """error passive, bus-off, restarted; the devices tell it by emergencies"""
         boot = self.boot_and_wait()
+        dump = self.dump()
         self.say(PASSIVE)
         boot.wait_for("bus is error passive")
+        for number in (5, 6):
+            dump.wait_for(f"{0x80 + number:03X}#2081110201000000")
         self.say(DOWN)
         boot.wait_for("bus is bus-off")
         self.say(BACK)
+        for number in (5, 6):
+            dump.wait_for(f"{0x80 + number:03X}#4081110401000000")
         self.expect_up_again(boot)
+        dump.process.stop()
 
     def test_idle(self):
         """without an interface nobody polls"""

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every message that the manager and the buses can print has its row in docs/real-hardware.md.
+"""Every message about networks and buses has its row in docs/real-hardware.md.
 
     check_messages.py [--root DIR]
 
@@ -14,7 +14,7 @@ from pathlib import Path
 
 PAGE = "docs/real-hardware.md"
 SOURCES = ("src/manager/boot_text.c", "src/api/control.c", "src/api/event_text.c",
-           "src/api/mcanopen.c", "src/api/nets.c", "src/port/*.c")
+           "src/api/mcanopen.c", "src/api/nets.c", "src/api/scan_e*.c", "src/port/*.c")
 STRING = re.compile(r'"((?:\\.|[^"\\])*)"')
 # Adjacent strings, and what may have quotes in it but is no message: whichever begins first.
 TOKEN = re.compile(rf"{STRING.pattern}(?:\s*{STRING.pattern})*"

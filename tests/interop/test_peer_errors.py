@@ -217,7 +217,7 @@ class PeerErrors(PeerTest):
         self.errors.wait_for_count(5)
         self.assertEqual([code for code, _, _ in self.errors.all],
                          [0x1000 + number for number in range(5)])
-        self.assertGreater(min(self.errors.gaps()), 0.09, f"{self.errors.gaps()}")
+        self.assertGreater(min(self.errors.gaps()), 0.05, f"{self.errors.gaps()}")
 
     def test_stopped(self):
         """in STOPPED no emergency is sent; those of meanwhile follow"""

@@ -10,6 +10,7 @@
 
 /* A channel, three requests, and what comes out; 'now' is the test's. */
 static struct sdo_channel channel;
+static unsigned block_downloads;
 static struct sdo_request requests[3];
 static uint8_t buffers[3][8];
 static struct co_frame frames[8];
@@ -21,7 +22,8 @@ static void set_up_with_room(unsigned frame_room, unsigned event_room)
 {
     memset(requests, 0, sizeof requests);
     co_outbox_init(&out, frames, frame_room, events, event_room);
-    sdo_channel_init(&channel, NODE);
+    block_downloads = 0;
+    sdo_channel_init(&channel, NODE, &block_downloads);
     now = CO_MS(1000);
 }
 
@@ -335,6 +337,60 @@ START_TEST(test_no_blocks)
 }
 END_TEST
 
+static void submit_block_download(unsigned i)
+{
+    requests[i].transfer = (struct sdo_transfer){ .download = true,
+                                                  .block = 8,
+                                                  .index = (uint16_t)(0x2000 + i),
+                                                  .source = buffers[i],
+                                                  .size = 8,
+                                                  .timeout = CO_MS(100) };
+    sdo_channel_submit(&channel, &requests[i], now, &out);
+}
+
+/* Many others run: in segments. However a block download ends, it counts no longer. */
+START_TEST(test_block_downloads_are_few)
+{
+    block_downloads = SDO_CHANNEL_BLOCK_DOWNLOADS;
+    submit_block_download(0);
+    expect_frame("605#2000200000000000");
+    receive("585#8000200022000008", false);
+    ck_assert_int_eq(next_done(), 0);
+    submit_block(0);
+    expect_frame("605#A400200008000000");
+    ck_assert(sdo_channel_cancel(&channel, &requests[0], SDO_OK, now, &out));
+    ck_assert_uint_eq(block_downloads, SDO_CHANNEL_BLOCK_DOWNLOADS);
+    block_downloads--;
+    submit_block_download(0);
+    expect_frame("605#C600200008000000");
+    ck_assert_uint_eq(block_downloads, SDO_CHANNEL_BLOCK_DOWNLOADS);
+    receive("585#8000200022000008", false);
+    ck_assert_int_eq(next_done(), 0);
+    ck_assert_uint_eq(block_downloads, SDO_CHANNEL_BLOCK_DOWNLOADS - 1);
+    submit_block_download(0);
+    ck_assert_int_eq(give_up(), 0);
+    ck_assert_uint_eq(block_downloads, SDO_CHANNEL_BLOCK_DOWNLOADS - 1);
+}
+END_TEST
+
+/* Taken out, and the next one starts at once, in blocks again. */
+START_TEST(test_block_download_is_cancelled)
+{
+    block_downloads = SDO_CHANNEL_BLOCK_DOWNLOADS - 1;
+    submit_block_download(0);
+    submit_block_download(1);
+    expect_frame("605#C600200008000000");
+    ck_assert(sdo_channel_cancel(&channel, &requests[0], _i ? SDO_TIMEOUT : SDO_OK, now, &out));
+    expect_frame("605#C601200008000000");
+    ck_assert_uint_eq(block_downloads, SDO_CHANNEL_BLOCK_DOWNLOADS);
+    if (_i)
+        ck_assert_int_eq(next_done(), -1);
+    receive("585#8001200022000008", false);
+    ck_assert_int_eq(next_done(), 1);
+    ck_assert_uint_eq(block_downloads, SDO_CHANNEL_BLOCK_DOWNLOADS - 1);
+}
+END_TEST
+
 /* No room to tell the server: not now, and nothing has changed. */
 START_TEST(test_cancel_without_room)
 {
@@ -395,6 +451,8 @@ int main(void)
     tcase_add_test(tcase, test_cancel_segments);
     tcase_add_loop_test(tcase, test_cancel_ended, 0, 2);
     tcase_add_test(tcase, test_no_blocks);
+    tcase_add_test(tcase, test_block_downloads_are_few);
+    tcase_add_loop_test(tcase, test_block_download_is_cancelled, 0, 2);
     tcase_add_test(tcase, test_cancel_without_room);
     tcase_add_test(tcase, test_cancel_with_end_untold);
     return suite_run("sdo_channel", tcase);

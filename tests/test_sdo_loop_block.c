@@ -65,33 +65,6 @@ START_TEST(test_room_is_used)
 }
 END_TEST
 
-static unsigned most;
-
-static bool counts_room(struct sdo_loop *self, const struct co_frame *frame, bool to_server)
-{
-    const unsigned used = 1 + (to_server ? self->to_server : self->to_client).frame_count;
-
-    (void)frame;
-    most = used > most ? used : most;
-    return false;
-}
-
-/* The client has few segments on their way, whatever room there is; the server takes it all. */
-START_TEST(test_window)
-{
-    setup(LOOP_ROOM, SDO_BLOCK_MAX);
-    loop.loses = counts_room;
-    most = 0;
-    sdo_loop_download(&loop, 2000);
-    ck_assert_uint_eq(loop.end.detail, SDO_OUTCOME_OK);
-    ck_assert_uint_eq(most, SDO_CLIENT_WINDOW);
-    sdo_loop_upload(&loop, 2000);
-    ck_assert_uint_eq(loop.end.detail, SDO_OUTCOME_OK);
-    ck_assert_uint_eq(most, SDO_BLOCK_MAX);
-    teardown();
-}
-END_TEST
-
 static unsigned segments_lost;
 
 static bool is_segment(const struct sdo_loop *self, bool to_server)
@@ -208,7 +181,6 @@ int main(void)
     tcase_add_loop_test(tcase, test_all_sizes, 0, ROOMS);
     tcase_add_loop_test(tcase, test_large, 0, ROOMS);
     tcase_add_test(tcase, test_room_is_used);
-    tcase_add_test(tcase, test_window);
     tcase_add_loop_test(tcase, test_each_frame_lost, 0, 10);
     tcase_add_loop_test(tcase, test_changing_sizes, 0, 8);
     tcase_add_test(tcase, test_without_blocks);

@@ -24,7 +24,7 @@ enum co_err manager_init(struct manager *self, const struct network_config *conf
                    MANAGER_INNER_EVENTS);
     for (uint8_t node = 1; node <= NETWORK_NODE_MAX; node++) {
         boot_node_init(&self->nodes[node], node, network_config_node(config, node));
-        sdo_channel_init(&self->channels[node], node);
+        sdo_channel_init(&self->channels[node], node, &self->block_downloads);
     }
     od_init(&self->od);
     err = manager_od_fill(config, &self->od);

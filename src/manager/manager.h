@@ -29,8 +29,7 @@
 #include "manager/sdo_channel.h"
 #include "slave/slave.h"
 
-/* For the segments of block transfers to all nodes, and for all else. */
-#define MANAGER_INNER_FRAMES (NETWORK_NODE_MAX * SDO_CLIENT_WINDOW + 256u)
+#define MANAGER_INNER_FRAMES 512u /* half of them for the segments of block transfers */
 #define MANAGER_INNER_EVENTS 2048u
 
 enum boot_network_state {
@@ -49,6 +48,7 @@ struct manager {
     struct slave device;
     struct boot_node nodes[NETWORK_NODE_MAX + 1];      /* by node-ID */
     struct sdo_channel channels[NETWORK_NODE_MAX + 1]; /* by node-ID */
+    unsigned block_downloads;                          /* that run in these */
     uint8_t state;                                     /* enum boot_network_state */
     bool bus_lost;                                     /* see manager_on_bus() */
     bool up_told;       /* MANAGER_NETWORK_UP was given since the last start */

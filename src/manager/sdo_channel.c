@@ -4,15 +4,38 @@
 
 #include <stddef.h>
 
-void sdo_channel_init(struct sdo_channel *self, uint8_t node)
+void sdo_channel_init(struct sdo_channel *self, uint8_t node, unsigned *block_downloads)
 {
-    *self = (struct sdo_channel){ .running = NULL };
+    *self = (struct sdo_channel){ .block_downloads = block_downloads };
     sdo_client_init(&self->client, node);
 }
 
 void sdo_channel_forget(struct sdo_channel *self)
 {
     self->no_blocks = false;
+}
+
+/* May the transfer go in blocks as it wants? */
+static bool take_blocks(struct sdo_channel *self, const struct sdo_transfer *transfer)
+{
+    if (self->no_blocks)
+        return false;
+    if (!transfer->download || transfer->block == 0)
+        return true;
+    if (*self->block_downloads >= SDO_CHANNEL_BLOCK_DOWNLOADS)
+        return false;
+    ++*self->block_downloads;
+    self->counted = true;
+    return true;
+}
+
+/* Nothing runs any more. */
+static void end_request(struct sdo_channel *self)
+{
+    if (self->counted)
+        --*self->block_downloads;
+    self->counted = false;
+    self->running = NULL;
 }
 
 static void start_next(struct sdo_channel *self, co_us_t now, struct co_outbox *out)
@@ -27,7 +50,7 @@ static void start_next(struct sdo_channel *self, co_us_t now, struct co_outbox *
     request->next = NULL;
     request->state = REQUEST_RUNNING;
     self->running = request;
-    if (self->no_blocks)
+    if (!take_blocks(self, &request->transfer))
         request->transfer.block = 0;
     sdo_client_start(&self->client, &request->transfer, now, out);
 }
@@ -83,7 +106,7 @@ bool sdo_channel_cancel(struct sdo_channel *self, struct sdo_request *request, s
     if (self->running == request) {
         if (!end_running(self, code, out))
             return false;
-        self->running = NULL;
+        end_request(self);
         start_next(self, now, out);
     } else {
         unlink_waiting(self, request);
@@ -119,7 +142,7 @@ struct sdo_request *sdo_channel_on_done(struct sdo_channel *self, const struct c
         return NULL;
     request->state = REQUEST_DONE;
     request->result = *event;
-    self->running = NULL;
+    end_request(self);
     start_next(self, now, out);
     return request;
 }
@@ -140,7 +163,7 @@ struct sdo_request *sdo_channel_give_up(struct sdo_channel *self)
 
     if (request) {
         sdo_client_init(&self->client, self->client.node);
-        self->running = NULL;
+        end_request(self);
     } else {
         request = self->first;
         if (!request)

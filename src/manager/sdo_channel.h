@@ -7,11 +7,16 @@
  * A request belongs to who made it and must stay until it is DONE or cancelled. Its time-out starts
  * when its turn comes. When a node has shown that it has no block transfers, none is asked for
  * again until sdo_channel_forget().
+ *
+ * Only few block downloads run at a time, whatever the node: their segments, all put out at once,
+ * keep those of other requests from the bus for longer than a server waits. More go in segments.
  */
 #ifndef CO_MANAGER_SDO_CHANNEL_H
 #define CO_MANAGER_SDO_CHANNEL_H
 
 #include "proto/sdo_client.h"
+
+#define SDO_CHANNEL_BLOCK_DOWNLOADS 2u /* at a time */
 
 enum sdo_request_state { REQUEST_IDLE, REQUEST_QUEUED, REQUEST_RUNNING, REQUEST_DONE };
 
@@ -27,10 +32,13 @@ struct sdo_channel {
     struct sdo_request *running;
     struct sdo_request *first, *last; /* waiting */
     bool no_blocks;
-    unsigned cancelled; /* PROTO_SDO_DONE still to come for requests that were taken out */
+    bool counted;              /* what runs is one of ... */
+    unsigned *block_downloads; /* ... so many, of all channels of a network */
+    unsigned cancelled;        /* PROTO_SDO_DONE still to come for requests that were taken out */
 };
 
-void sdo_channel_init(struct sdo_channel *self, uint8_t node);
+/* All channels of a network count their block downloads in one place, 0 to begin with. */
+void sdo_channel_init(struct sdo_channel *self, uint8_t node, unsigned *block_downloads);
 /* The node has started anew: it may be another one. */
 void sdo_channel_forget(struct sdo_channel *self);
 void sdo_channel_submit(struct sdo_channel *self, struct sdo_request *request, co_us_t now,

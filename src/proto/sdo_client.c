@@ -462,37 +462,23 @@ bool sdo_client_awaits_wire(const struct sdo_client *self)
     return is_unconfirmed(self) && !self->unsent;
 }
 
-/* The last request is there: its answer is waited for, for so long. */
-static void confirm(struct sdo_client *self, co_us_t deadline)
+static void on_own(struct sdo_client *self, const struct co_frame *frame, co_us_t now)
 {
-    self->on_wire = true;
-    self->deadline = deadline;
-}
-
-static void on_own(struct sdo_client *self, const struct co_frame *frame, co_us_t now,
-                   struct co_outbox *out)
-{
-    if (self->state == SDO_CLIENT_BLOCK_DOWN)
-        sdo_client_on_own_segment(self, frame, now, out);
     if (!sdo_client_awaits_wire(self) || frame->dlc != sizeof self->request ||
         memcmp(frame->data, self->request, sizeof self->request) != 0)
         return; /* the abort of the transfer before, for example */
-    confirm(self, now + self->transfer.timeout);
+    self->on_wire = true;
+    self->deadline = now + self->transfer.timeout;
 }
 
 void sdo_client_on_handed_over(struct sdo_client *self, co_us_t now)
 {
-    const bool segments = self->state == SDO_CLIENT_BLOCK_DOWN;
+    const unsigned segments = self->state == SDO_CLIENT_BLOCK_DOWN ? self->sender.sent : 0;
 
     if (!sdo_client_awaits_wire(self))
         return;
-    if (segments)
-        self->on_wire_up_to = self->sender.sent;
-    if (segments && block_sender_has_segment(&self->sender))
-        self->unsent = true;
-    else
-        confirm(self, now + self->transfer.timeout +
-                          (segments ? SDO_CLIENT_WINDOW * SDO_SEGMENT_TIME : 0));
+    self->on_wire = true;
+    self->deadline = now + self->transfer.timeout + segments * SDO_SEGMENT_TIME;
 }
 
 void sdo_client_on_frame(struct sdo_client *self, const struct co_frame *frame, co_us_t now,
@@ -503,7 +489,7 @@ void sdo_client_on_frame(struct sdo_client *self, const struct co_frame *frame, 
     if (frame->id == SDO_RESPONSE_ID + self->node)
         on_answer(self, frame, now, out);
     else if (frame->id == SDO_REQUEST_ID + self->node && (frame->flags & CO_FRAME_OWN))
-        on_own(self, frame, now, out);
+        on_own(self, frame, now);
 }
 
 void sdo_client_on_progress(struct sdo_client *self, co_us_t now)

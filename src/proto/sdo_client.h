@@ -27,9 +27,7 @@
  *   owner    the manager: one client for each remote node
  *   locking  none; the owner's
  *
- * Of the segments of a block download at most SDO_CLIENT_WINDOW are on their way to the wire; the
- * next ones follow as these get there. So neither the outbox nor what is behind it fills up, and
- * the transfers of other clients get on.
+ * The segments of a block download fill what room there is in the outbox, as those of a server.
  */
 #ifndef CO_PROTO_SDO_CLIENT_H
 #define CO_PROTO_SDO_CLIENT_H
@@ -38,9 +36,8 @@
 #include "base/time.h"
 #include "proto/sdo.h"
 
-#define SDO_CLIENT_WINDOW 8u           /* segments */
-#define SDO_SEND_TIMEOUT  CO_MS(2000)  /* for a request to get on the wire ... */
-#define SDO_SEND_LIMIT    CO_MS(10000) /* ... if that makes progress */
+#define SDO_SEND_TIMEOUT CO_MS(2000)  /* for a request to get on the wire ... */
+#define SDO_SEND_LIMIT   CO_MS(10000) /* ... if that makes progress */
 
 enum sdo_outcome {
     SDO_OUTCOME_OK,

@@ -29,40 +29,22 @@ static void finish_protocol(struct sdo_client *self, sdo_abort_t code, struct co
     sdo_client_finish_and_tell(self, SDO_OUTCOME_PROTOCOL, code, out);
 }
 
-static bool is_segment_next(const struct sdo_client *self)
-{
-    return block_sender_has_segment(&self->sender) &&
-           self->sender.sent < self->on_wire_up_to + SDO_CLIENT_WINDOW;
-}
-
 void sdo_client_send_segments(struct sdo_client *self, co_us_t now, struct co_outbox *out)
 {
     struct co_frame frame = co_frame_make(SDO_REQUEST_ID + self->node, 8);
 
-    while (is_segment_next(self) && co_outbox_room(out, 1, 0)) {
+    while (block_sender_has_segment(&self->sender) && co_outbox_room(out, 1, 0)) {
         block_sender_take_segment(&self->sender, self->request);
         memcpy(frame.data, self->request, sizeof frame.data);
         co_outbox_put_frame(out, &frame);
     }
-    self->unsent = is_segment_next(self);
+    self->unsent = block_sender_has_segment(&self->sender);
     self->deadline = co_earlier(now + SDO_SEND_TIMEOUT, self->send_limit);
-}
-
-void sdo_client_on_own_segment(struct sdo_client *self, const struct co_frame *frame, co_us_t now,
-                               struct co_outbox *out)
-{
-    const uint8_t number = frame->data[0] & (uint8_t)~BLOCK_LAST;
-
-    if (self->on_wire || number <= self->on_wire_up_to || number > self->sender.sent)
-        return; /* of the sub-block before, for example */
-    self->on_wire_up_to = number;
-    sdo_client_send_segments(self, now, out);
 }
 
 static void begin_sub_block(struct sdo_client *self, co_us_t now, struct co_outbox *out)
 {
     self->state = SDO_CLIENT_BLOCK_DOWN;
-    self->on_wire_up_to = 0;
     sdo_client_begin_request(self, now);
     sdo_client_send_segments(self, now, out);
 }

@@ -30,9 +30,6 @@ void sdo_client_on_block_upload(struct sdo_client *self, const struct co_frame *
 void sdo_client_on_block_answer(struct sdo_client *self, const struct co_frame *frame, co_us_t now,
                                 struct co_outbox *out);
 void sdo_client_send_segments(struct sdo_client *self, co_us_t now, struct co_outbox *out);
-/* One is on the wire: there may be room for another one. */
-void sdo_client_on_own_segment(struct sdo_client *self, const struct co_frame *frame, co_us_t now,
-                               struct co_outbox *out);
 /* Answers the segments of a sub-block, which may not all have come. */
 void sdo_client_end_sub_block(struct sdo_client *self, co_us_t now, struct co_outbox *out);
 

@@ -323,7 +323,11 @@ START_TEST(what_does_not_fit)
 {
     od_find(&device.od, 0x6000, 0)->has_high = true;
     od_find(&device.od, 0x6000, 0)->high = 100;
-    recall("09000000"
+    recall("0B000000"
+           "05100004000000"
+           "80000000" /* its DefaultValue */
+           "05100004000000"
+           "01010040"               /* SYNC on a CAN-ID that others may not have */
            "0610000400000005000000" /* good */
            "0020000100000007"       /* a byte, two expected */
            "01200041000000"
@@ -343,7 +347,9 @@ START_TEST(what_does_not_fit)
            "05" /* the error history */
            "0610000400000006000000" /* again: the last one counts */);
     ck_assert_str_eq(
-        told, "f: warning: 2000h:00 has 1 bytes, the device expects 2; it gets its default value\n"
+        told, "f: warning: 1005h:00 has a CAN-ID that belongs to another service; it gets its "
+              "default value\n"
+              "f: warning: 2000h:00 has 1 bytes, the device expects 2; it gets its default value\n"
               "f: warning: 2001h:00 has 65 bytes, the device has room for 64; it gets its default "
               "value\n"
               "f: warning: 2002h:00 is stored, but the device has no such parameter; it is left "

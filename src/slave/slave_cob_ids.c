@@ -51,6 +51,17 @@ static uint32_t cob_id_of(const struct od_entry *entry)
     return (uint32_t)get_le(entry->value, entry->size < 4 ? entry->size : 4);
 }
 
+#define FIRST_CLIENT 0x1280u /* whose servers may have any identifiers */
+
+bool slave_is_permitted(const struct od_entry *entry, uint32_t cob_id)
+{
+    const struct od nothing = { .count = 0 };
+
+    return user_of(entry, cob_id) == NOBODY ||
+           (entry->index >= FIRST_CLIENT && entry->index < FIRST_RPDO_OBJECT) ||
+           slave_may_use(&nothing, cob_id & ~(COB_ID_INVALID | COB_ID_BIT30), true);
+}
+
 bool slave_can_id_is_taken(const struct slave_write *write)
 {
     const uint32_t can_id = slave_can_id((uint32_t)write->number);

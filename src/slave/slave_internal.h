@@ -33,6 +33,8 @@ bool slave_is_default(const struct od_entry *entry, const uint8_t *value, uint32
 sdo_abort_t slave_check_write(const struct slave_write *write);
 /* slave_cob_ids.c: another communication object of the device uses the CAN-ID in it. */
 bool slave_can_id_is_taken(const struct slave_write *write);
+/* It holds no COB-ID in use, or one that a client might give it on a device with nothing else. */
+bool slave_is_permitted(const struct od_entry *entry, uint32_t cob_id);
 /* slave_mapping.c: those of 1600h.. and 1A00h... */
 sdo_abort_t slave_check_mapping(const struct slave_write *write);
 

@@ -1,5 +1,6 @@
 #include "slave/slave_store.h"
 
+#include "base/bytes.h"
 #include "slave/slave_internal.h"
 
 #define ERROR_HISTORY        0x1003u /* what clients write there is an order */
@@ -303,6 +304,15 @@ static void tell_length(const struct ccf_entry *value, const struct od_entry *en
                       (unsigned long)entry->capacity);
 }
 
+/* No client could have stored such a CAN-ID, unless the device came with it. */
+static bool is_usable(const struct od_entry *entry, const struct ccf_entry *value)
+{
+    const uint64_t number = get_le(value->value, value->size < 8 ? value->size : 8);
+
+    return od_same((struct od_value){ value->value, value->size }, od_default(entry)) ||
+           slave_is_permitted(entry, (uint32_t)number);
+}
+
 /* NULL, and told why: there is no such parameter, or not with this value. */
 static struct od_entry *entry_for(const struct od *od, const struct ccf_entry *value,
                                   struct co_report *report)
@@ -323,6 +333,14 @@ static struct od_entry *entry_for(const struct od *od, const struct ccf_entry *v
         co_report_add(report, CO_WARNING, 0,
                       "%04Xh:%02X is outside the limits of the device; it gets its default value",
                       value->index, value->sub);
+        return NULL;
+    }
+    if (!is_usable(entry, value)) {
+        co_report_add(
+            report, CO_WARNING, 0,
+            "%04Xh:%02X has a CAN-ID that belongs to another service; it gets its default "
+            "value",
+            value->index, value->sub);
         return NULL;
     }
     return entry;

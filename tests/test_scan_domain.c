@@ -1,16 +1,14 @@
 /*
- * Large values: domains in the application's memory and in files, read and written by clients; by
- * the manager of the same process, and frame by frame.
+ * Large values: domains in the application's memory, read and written by clients: by the manager of
+ * the same process, and frame by frame.
  */
-#include "mcanopen.h"
+#include "support/scan_client.h"
 #include "support/scan_plant.h"
 #include "support/suite.h"
 
-#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
@@ -23,37 +21,20 @@
 #define MOST 1000000u
 #endif
 
-#define MEMORY 0x2000 /* a domain in memory */
-#define FILED  0x2001 /* in a file */
-
-#define XML                                                                                        \
-    "<CANopen_Manager><Manager_Instance><Net_No>0</Net_No><Baudrate>500</Baudrate>"                \
-    "<Boot_Delay>0</Boot_Delay><Node_Instance><Node_Id>5</Node_Id>"                                \
-    "<SDO_Timeout>20000</SDO_Timeout></Node_Instance></Manager_Instance></CANopen_Manager>"
+#define MEMORY 0x2000
 
 static struct scan_plant *plant;
 static HNODE node;
 static char folder[40];
-static uint8_t memory[MOST], sent[MOST + 40], got[MOST];
+static uint8_t memory[MOST], sent[MOST + 40];
 
-static void put_file(const char *name, const void *bytes, size_t size)
-{
-    FILE *file = fopen(name, "w");
-
-    ck_assert_ptr_nonnull(file);
-    ck_assert_uint_eq(fwrite(bytes, 1, size, file), size);
-    ck_assert_int_eq(fclose(file), 0);
-}
-
-static void make_domain(int index, unsigned size, unsigned room, PFN_COS_DATA_HANDLER handler)
+static void make_domain(unsigned size, unsigned room, PFN_COS_DATA_HANDLER handler)
 {
     DictionaryData data = { .domain = { room > 0 ? memory : NULL, room, size } };
 
-    ck_assert_int_eq(canOpenExtendDictionary(node, (unsigned short)index, 0, OBJ_VAR, MAP_DOMAIN),
+    ck_assert_int_eq(canOpenExtendDictionary(node, MEMORY, 0, OBJ_VAR, MAP_DOMAIN), SCANOPEN_OK);
+    ck_assert_int_eq(canOpenInitDictionary(node, MEMORY, 0, "a domain", BOTH, &data, handler),
                      SCANOPEN_OK);
-    ck_assert_int_eq(
-        canOpenInitDictionary(node, (unsigned short)index, 0, "a domain", BOTH, &data, handler),
-        SCANOPEN_OK);
 }
 
 static void set_up(void)
@@ -74,55 +55,10 @@ static void tear_down(void)
 {
     char command[sizeof folder + 16];
 
-    mcanOpenCleanup();
+    scan_client_end();
     scan_plant_free(plant);
     snprintf(command, sizeof command, "rm -rf %s", folder);
     ck_assert_int_eq(system(command), 0);
-}
-
-/* --- a client that is the manager --- */
-
-static void start_manager(void)
-{
-    int state = 0;
-    EVENT_T event;
-
-    put_file("network.xml", XML, strlen(XML));
-    ck_assert_int_eq(mcanOpenInitialize(), MCANOPEN_OK);
-    ck_assert_msg(mcanOpenConfig("network.xml") == MCANOPEN_OK, "%s", mcanOpenGetErrorText());
-    mcanOpenStart();
-    while (state != 5) {
-        ck_assert_int_eq(mcanOpenEvent(&event, 1), MCANOPEN_OK);
-        ck_assert_int_eq(mcanOpenGetNodeState(0, NODE, &state), MCANOPEN_OK);
-    }
-}
-
-static unsigned long code_of(const ERROR_T *error)
-{
-    return (unsigned long)error->eclass << 24 | (unsigned long)error->code << 16 |
-           (unsigned long)error->spec << 8 | error->global;
-}
-
-/* The abort code; 0: all went well. */
-static unsigned long client_writes(int index, const void *bytes, unsigned size, int flags)
-{
-    ERROR_T error;
-    const int result = mcanOpenWriteSDO(0, NODE, index, 0, TYP_DOMAIN | flags, bytes, (int)size,
-                                        &error);
-
-    ck_assert(result == MCANOPEN_OK || result == MCAL_ABORT_DOMAIN);
-    return code_of(&error);
-}
-
-/* In the form that it is written in: these bytes are there. */
-static void client_expects(int index, const void *bytes, unsigned size, int flags)
-{
-    int room = MOST;
-
-    ck_assert_int_eq(mcanOpenReadSDO(0, NODE, index, flags & TYP_BLOCK, got, &room, NULL),
-                     MCANOPEN_OK);
-    ck_assert_uint_eq((unsigned)room, size);
-    ck_assert_mem_eq(got, bytes, size);
 }
 
 static const unsigned sizes[] = { 1, 4, 5, 7, 8, 889, 890, MOST / 10, MOST };
@@ -136,18 +72,18 @@ static bool is_tried(unsigned size, int form)
 /* Each time other bytes. */
 START_TEST(any_size_in_memory)
 {
-    make_domain(MEMORY, 0, MOST, NULL);
+    make_domain(0, MOST, NULL);
     scan_activate(plant, node);
-    start_manager();
+    scan_client_start(NODE);
     for (unsigned i = 0; i < COUNT(sizes) * COUNT(forms); i++) {
         const int form = forms[i % COUNT(forms)];
         const unsigned size = sizes[i / COUNT(forms)];
 
         if (!is_tried(size, form))
             continue;
-        ck_assert_uint_eq(client_writes(MEMORY, sent + i, size, form), 0);
+        ck_assert_uint_eq(scan_client_write(NODE, MEMORY, sent + i, size, form), 0);
         ck_assert_mem_eq(memory, sent + i, size);
-        client_expects(MEMORY, sent + i, size, form);
+        scan_client_expect(NODE, MEMORY, sent + i, size, form & TYP_BLOCK);
     }
 }
 END_TEST
@@ -155,14 +91,14 @@ END_TEST
 /* Nobody falls back to segments. */
 START_TEST(blocks_are_blocks)
 {
-    make_domain(MEMORY, 0, MOST, NULL);
+    make_domain(0, MOST, NULL);
     scan_activate(plant, node);
-    start_manager();
+    scan_client_start(NODE);
     scan_forget(plant);
-    ck_assert_uint_eq(client_writes(MEMORY, sent, 1000, TYP_BLOCK), 0);
+    ck_assert_uint_eq(scan_client_write(NODE, MEMORY, sent, 1000, TYP_BLOCK), 0);
     scan_expect(plant, "605#C6002000E8030000");
     scan_expect(plant, "585#A40020007F000000");
-    client_expects(MEMORY, sent, 1000, TYP_BLOCK);
+    scan_client_expect(NODE, MEMORY, sent, 1000, TYP_BLOCK);
     scan_await(plant, "605#A40020007F*");
     scan_expect(plant, "585#C6002000E8030000");
 }
@@ -171,50 +107,16 @@ END_TEST
 /* --- frame by frame --- */
 
 #define WRITE_NOTHING                                                                              \
-    "605#2101200000000000", "585#6001200000000000", "605#0F00000000000000", "585#2000000000000000"
+    "605#2100200000000000", "585#6000200000000000", "605#0F00000000000000", "585#2000000000000000"
 #define READ_NOTHING                                                                               \
-    "605#4001200000000000", "585#4101200000000000", "605#6000000000000000", "585#0F00000000000000"
-
-static void talk(const char *const *frames, size_t count)
-{
-    for (size_t i = 0; i < count; i += 2) {
-        scan_send(plant, frames[i]);
-        scan_expect(plant, frames[i + 1]);
-    }
-}
-
-/* What a client without manager reads; the abort code. */
-static uint32_t read_all(int index, unsigned *ret_size)
-{
-    *ret_size = MOST;
-    return scan_sdo_upload(plant, NODE, (unsigned)index, 0, got, ret_size);
-}
-
-static void expect_value(int index, const char *text)
-{
-    unsigned size;
-
-    ck_assert_uint_eq(read_all(index, &size), 0);
-    ck_assert_uint_eq(size, strlen(text));
-    ck_assert_mem_eq(got, text, size);
-}
-
-/* Up to four bytes. */
-static uint32_t write_text(int index, const char *text)
-{
-    uint32_t value = 0;
-
-    for (size_t i = strlen(text); i > 0; i--)
-        value = value << 8 | (uint8_t)text[i - 1];
-    return scan_sdo_write(plant, NODE, (unsigned)index, 0, (unsigned)strlen(text), value);
-}
+    "605#4000200000000000", "585#4100200000000000", "605#6000000000000000", "585#0F00000000000000"
 
 /* The entry's memory, when the device is through with it. */
-static uint8_t *memory_of(int index)
+static uint8_t *memory_of_entry(void)
 {
     uint8_t *bytes = NULL;
 
-    ck_assert_int_eq(canOpenReadDictionary(node, (unsigned short)index, 0, &bytes), SCANOPEN_OK);
+    ck_assert_int_eq(canOpenReadDictionary(node, MEMORY, 0, &bytes), SCANOPEN_OK);
     ck_assert_ptr_eq(bytes, memory);
     return bytes;
 }
@@ -223,9 +125,9 @@ START_TEST(no_bytes_in_memory)
 {
     static const char *const frames[] = { WRITE_NOTHING, READ_NOTHING };
 
-    make_domain(FILED, 10, 10, NULL);
+    make_domain(10, 10, NULL);
     scan_activate(plant, node);
-    talk(frames, COUNT(frames));
+    scan_talk(plant, frames, COUNT(frames));
 }
 END_TEST
 
@@ -241,12 +143,12 @@ START_TEST(more_than_memory_has)
     };
 
     memcpy(memory, "abc", 3);
-    make_domain(MEMORY, 3, 10, NULL);
+    make_domain(3, 10, NULL);
     scan_activate(plant, node);
-    talk(frames, 8);
-    expect_value(MEMORY, "abc");
-    talk(frames + 8, COUNT(frames) - 8);
-    ck_assert_mem_eq(memory_of(MEMORY), "\1\2\3\4\5\6\7\1\2\3", 10);
+    scan_talk(plant, frames, 8);
+    scan_expect_text(plant, NODE, MEMORY, "abc");
+    scan_talk(plant, frames + 8, COUNT(frames) - 8);
+    ck_assert_mem_eq(memory_of_entry(), "\1\2\3\4\5\6\7\1\2\3", 10);
 }
 END_TEST
 
@@ -263,14 +165,14 @@ static int on_domain(int net, int id, int index, int sub, void *data)
 /* It gets the bytes before they are in memory, however many they are. */
 START_TEST(a_handler_of_a_domain)
 {
-    make_domain(MEMORY, 1, MOST, on_domain);
+    make_domain(1, MOST, on_domain);
     memory[0] = 0xEE;
     sent[0] = 0x11;
     scan_activate(plant, node);
-    start_manager();
-    ck_assert_uint_eq(client_writes(MEMORY, sent, 8, 0), 0x06090030);
+    scan_client_start(NODE);
+    ck_assert_uint_eq(scan_client_write(NODE, MEMORY, sent, 8, 0), 0x06090030);
     ck_assert_uint_eq(memory[0], 0xEE);
-    ck_assert_uint_eq(client_writes(MEMORY, sent, 10000, 0), 0);
+    ck_assert_uint_eq(scan_client_write(NODE, MEMORY, sent, 10000, 0), 0);
     ck_assert_mem_eq(memory, sent, 10000);
     scan_await_note("0/5 2000:00 8 good, EE there");
     scan_await_note("0/5 2000:00 10000 good, EE there");
@@ -287,314 +189,13 @@ START_TEST(reading_gets_what_was_there_when_it_began)
     const RecDomain now = { other, 8, 8 };
 
     memcpy(memory, "abcdefgh", 8);
-    make_domain(MEMORY, 8, 8, NULL);
+    make_domain(8, 8, NULL);
     scan_activate(plant, node);
-    talk(begin, COUNT(begin));
-    memory_of(MEMORY)[7] = 'x';
+    scan_talk(plant, begin, COUNT(begin));
+    memory_of_entry()[7] = 'x';
     ck_assert_int_eq(canOpenWriteDictionary(node, MEMORY, 0, &now), SCANOPEN_OK);
-    talk(end, COUNT(end));
-    expect_value(MEMORY, "ABCDEFGH");
-}
-END_TEST
-
-/* --- files --- */
-
-static void make_filed(const char *name, unsigned long max, PFN_COS_DATA_HANDLER handler)
-{
-    make_domain(FILED, 0, 0, handler);
-    ck_assert_int_eq(canOpenSetDomainFile(node, FILED, 0, name, max), SCANOPEN_OK);
-}
-
-static void expect_file(const char *name, const void *bytes, size_t size)
-{
-    static uint8_t content[MOST + 1];
-    FILE *file = fopen(name, "r");
-
-    ck_assert_ptr_nonnull(file);
-    ck_assert_uint_eq(fread(content, 1, sizeof content, file), size);
-    ck_assert_mem_eq(content, bytes, size);
-    fclose(file);
-}
-
-/* The longest in blocks only, which are faster. */
-START_TEST(any_size_in_a_file)
-{
-    make_filed("data", MOST, NULL);
-    scan_activate(plant, node);
-    start_manager();
-    for (unsigned i = 0; i < COUNT(sizes); i++) {
-        const int form = sizes[i] < MOST ? forms[i % COUNT(forms)] : TYP_BLOCK;
-
-        ck_assert_uint_eq(client_writes(FILED, sent + i, sizes[i], form), 0);
-        expect_file("data", sent + i, sizes[i]);
-        client_expects(FILED, sent + i, sizes[i], form);
-        ck_assert_int_ne(access("data~", F_OK), 0);
-    }
-}
-END_TEST
-
-START_TEST(no_bytes_in_a_file)
-{
-    static const char *const frames[] = { WRITE_NOTHING, READ_NOTHING };
-
-    make_filed("data", 10, NULL);
-    put_file("data", "old", 3);
-    scan_activate(plant, node);
-    talk(frames, COUNT(frames));
-    expect_file("data", "", 0);
-}
-END_TEST
-
-START_TEST(a_file_that_somebody_else_writes)
-{
-    make_filed("data", 10, NULL);
-    scan_activate(plant, node);
-    put_file("data", "first", 5);
-    expect_value(FILED, "first");
-    put_file("data", "second one", 10);
-    expect_value(FILED, "second one");
-    scan_await_note("event 0/5 STATE_CHANGE 127 0");
-    ck_assert_uint_eq(write_text(FILED, "last"), 0);
-    expect_file("data", "last", 4);
-    scan_expect_note("event 0/5 WRITE_DICTIONARY 8193 0");
-}
-END_TEST
-
-START_TEST(files_that_cannot_be_read)
-{
-    unsigned size;
-
-    make_filed("data", 10, NULL);
-    scan_activate(plant, node);
-    ck_assert_uint_eq(read_all(FILED, &size), 0x08000024);
-    put_file("data", "eleven byte", 11);
-    ck_assert_uint_eq(read_all(FILED, &size), 0x06070012);
-    ck_assert_int_eq(unlink("data"), 0);
-    ck_assert_int_eq(mkdir("data", 0777), 0);
-    ck_assert_uint_eq(read_all(FILED, &size), 0x06060000);
-    ck_assert_int_eq(rmdir("data"), 0);
-    ck_assert_int_eq(mkfifo("data", 0666), 0);
-    ck_assert_uint_eq(read_all(FILED, &size), 0x06060000);
-    ck_assert_int_eq(unlink("data"), 0);
-    ck_assert_int_eq(symlink("data", "data"), 0);
-    ck_assert_uint_eq(read_all(FILED, &size), 0x06060000);
-}
-END_TEST
-
-START_TEST(files_that_cannot_be_written)
-{
-    make_filed("folder/data", 3, NULL);
-    scan_activate(plant, node);
-    ck_assert_uint_eq(write_text(FILED, "abc"), 0x06060000);
-    ck_assert_uint_eq(write_text(FILED, "abcd"), 0x06070012);
-    ck_assert_int_eq(mkdir("folder", 0777), 0);
-    ck_assert_uint_eq(write_text(FILED, "abc"), 0);
-    expect_file("folder/data", "abc", 3);
-    ck_assert_int_eq(unlink("folder/data"), 0);
-    ck_assert_int_eq(mkdir("folder/data", 0777), 0);
-    ck_assert_uint_eq(write_text(FILED, "abc"), 0x06060000);
-}
-END_TEST
-
-static int on_filed(int net, int id, int index, int sub, void *data)
-{
-    const RecDomain *domain = data;
-
-    scan_note("%d/%d %04X:%02X '%.*s'", net, id, (unsigned)index, (unsigned)sub,
-              (int)domain->ulLength, (const char *)domain->pData);
-    expect_file("data", "old", 3);
-    return domain->ulLength == 2 ? SCANOPEN_VALUE_TOO_LOW : SCANOPEN_OK;
-}
-
-START_TEST(the_handler_is_asked_before_the_file)
-{
-    put_file("data", "old", 3);
-    make_filed("data", 10, on_filed);
-    scan_activate(plant, node);
-    scan_await_note("event 0/5 STATE_CHANGE 127 0");
-    ck_assert_uint_eq(write_text(FILED, "ab"), 0x06090032);
-    scan_expect_note("0/5 2001:00 'ab'");
-    expect_file("data", "old", 3);
-    ck_assert_uint_eq(write_text(FILED, "abc"), 0);
-    scan_expect_note("0/5 2001:00 'abc'");
-    expect_file("data", "abc", 3);
-}
-END_TEST
-
-START_TEST(reading_gets_one_file_whole)
-{
-    static const char *const begin[] = { "605#4001200000000000", "585#4101200008000000",
-                                         "605#6000000000000000", "585#0061626364656667" };
-    static const char *const end[] = { "605#7000000000000000", "585#1D68000000000000" };
-
-    make_filed("data", 10, NULL);
-    put_file("data", "abcdefgh", 8);
-    scan_activate(plant, node);
-    talk(begin, COUNT(begin));
-    put_file("data", "other", 5);
-    talk(end, COUNT(end));
-    expect_value(FILED, "other");
-}
-END_TEST
-
-/* Of the application's own calls, none is about it; until it is in memory again. */
-START_TEST(the_application_has_no_value_of_a_file)
-{
-    const RecDomain now = { memory, 3, 3 };
-    void *bytes = NULL;
-    HDICT entry = NULL;
-    DictionaryData data = { .domain = { memory, 10, 3 } };
-
-    put_file("data", "old", 3);
-    memcpy(memory, "mem", 3);
-    make_filed("data", 10, NULL);
-    ck_assert_int_eq(canOpenReadDictionary(node, FILED, 0, &bytes), SCANOPEN_WRONG_TYPE);
-    ck_assert_int_eq(canOpenWriteDictionary(node, FILED, 0, &now), SCANOPEN_WRONG_TYPE);
-    ck_assert_int_eq(canOpenGetDictionaryHnd(node, FILED, 0, &entry), SCANOPEN_OK);
-    ck_assert_int_eq(canOpenReadDictionaryHnd(entry, &bytes), SCANOPEN_WRONG_TYPE);
-    ck_assert_int_eq(canOpenWriteDictionaryHnd(entry, &now), SCANOPEN_WRONG_TYPE);
-    scan_activate(plant, node);
-    expect_value(FILED, "old");
-    ck_assert_int_eq(canOpenResetNode(node), SCANOPEN_OK);
-    ck_assert_int_eq(canOpenInitDictionary(node, FILED, 0, NULL, BOTH, &data, NULL), SCANOPEN_OK);
-    scan_activate(plant, node);
-    expect_value(FILED, "mem");
-    ck_assert_uint_eq(write_text(FILED, "abc"), 0);
-    expect_file("data", "old", 3);
-    ck_assert_mem_eq(memory_of(FILED), "abc", 3);
-}
-END_TEST
-
-START_TEST(arguments_about_a_file)
-{
-    make_domain(FILED, 0, 0, NULL);
-    scan_number(node, 0x2002, TYP_UINT8, BOTH, 0, NULL);
-    ck_assert_int_eq(canOpenExtendDictionary(node, 0x2003, 0, OBJ_VAR, MAP_DOMAIN), SCANOPEN_OK);
-    ck_assert_int_eq(canOpenSetDomainFile(node, FILED, 0, NULL, 1), SCANOPEN_WRONG_PARAMETER);
-    ck_assert_int_eq(canOpenSetDomainFile(node, FILED, 0, "", 1), SCANOPEN_WRONG_PARAMETER);
-    ck_assert_int_eq(canOpenSetDomainFile(node, FILED, 0, "f", 0), SCANOPEN_WRONG_PARAMETER);
-    ck_assert_int_eq(canOpenSetDomainFile(node, FILED, 0, "f", 0x80000000UL),
-                     SCANOPEN_WRONG_PARAMETER);
-    ck_assert_int_eq(canOpenSetDomainFile(node, 0x2004, 0, "f", 1), SCANOPEN_WRONG_INDEX);
-    ck_assert_int_eq(canOpenSetDomainFile(node, 0x1000, 0, "f", 1), SCANOPEN_WRONG_INDEX);
-    ck_assert_int_eq(canOpenSetDomainFile(node, FILED, 1, "f", 1), SCANOPEN_WRONG_SUBINDEX);
-    ck_assert_int_eq(canOpenSetDomainFile(node, FILED, 0xFF, "f", 1), SCANOPEN_WRONG_SUBINDEX);
-    ck_assert_int_eq(canOpenSetDomainFile(node, FILED, 0x100, "f", 1), SCANOPEN_WRONG_SUBINDEX);
-    ck_assert_int_eq(canOpenSetDomainFile(node, 0x2002, 0, "f", 1), SCANOPEN_WRONG_TYPE);
-    ck_assert_int_eq(canOpenSetDomainFile(node, 0x2003, 0, "f", 1), SCANOPEN_WRONG_TYPE);
-    ck_assert_int_eq(canOpenSetDomainFile(node, FILED, 0, "f", 0x7FFFFFFFUL), SCANOPEN_OK);
-    ck_assert_int_eq(canOpenSetDomainFile(node, FILED, 0, "f", 1), SCANOPEN_OK);
-    scan_activate(plant, node);
-    ck_assert_int_eq(canOpenSetDomainFile(node, FILED, 0, "f", 1), SCANOPEN_WRONG_NODESTATE);
-}
-END_TEST
-
-/* A reset does not change it, nor does storing. */
-START_TEST(a_file_outlives_a_reset)
-{
-    make_filed("data", 10, NULL);
-    put_file("data", "old", 3);
-    scan_activate(plant, node);
-    ck_assert_uint_eq(write_text(FILED, "new"), 0);
-    scan_send(plant, "000#8105");
-    scan_await(plant, "705#00");
-    expect_value(FILED, "new");
-    ck_assert_int_eq(canOpenResetNode(node), SCANOPEN_OK);
-    scan_activate(plant, node);
-    expect_value(FILED, "new");
-}
-END_TEST
-
-/* --- a disk that takes its time: the linker leads fsync() here (--wrap) --- */
-
-static struct {
-    pthread_mutex_t lock;
-    pthread_cond_t changed;
-    bool slow, inside;
-} disk = { .lock = PTHREAD_MUTEX_INITIALIZER, .changed = PTHREAD_COND_INITIALIZER };
-
-int __real_fsync(int file);
-int __wrap_fsync(int file);
-
-int __wrap_fsync(int file)
-{
-    pthread_mutex_lock(&disk.lock);
-    disk.inside = true;
-    pthread_cond_broadcast(&disk.changed);
-    while (disk.slow)
-        pthread_cond_wait(&disk.changed, &disk.lock);
-    disk.inside = false;
-    pthread_mutex_unlock(&disk.lock);
-    return __real_fsync(file);
-}
-
-static void set_slow(bool slow)
-{
-    pthread_mutex_lock(&disk.lock);
-    disk.slow = slow;
-    pthread_cond_broadcast(&disk.changed);
-    pthread_mutex_unlock(&disk.lock);
-}
-
-static void begin_write(void)
-{
-    put_file("data", "old", 3);
-    make_filed("data", 10, NULL);
-    scan_activate(plant, node);
-    set_slow(true);
-    scan_send(plant, "605#2701200061626300");
-    pthread_mutex_lock(&disk.lock);
-    while (!disk.inside)
-        pthread_cond_wait(&disk.changed, &disk.lock);
-    pthread_mutex_unlock(&disk.lock);
-}
-
-/* The daemon has come to its end with this file: it serves the next one. */
-static void expect_old_file(void)
-{
-    set_slow(false);
-    expect_value(FILED, "old");
-    expect_file("data", "old", 3);
-    ck_assert_int_ne(access("data~", F_OK), 0);
-}
-
-START_TEST(nobody_else_waits_for_the_disk)
-{
-    begin_write();
-    ck_assert_int_eq(scan_state(node), NodePreOperational);
-    ck_assert_uint_eq(scan_get(node, 0x1001, 0), 0);
-    scan_send(plant, "000#0105");
-    ck_assert_int_eq(canOpenWaitForNodeState(node, WFNS_OPERATIONAL), NodeOperational);
-    set_slow(false);
-    scan_expect(plant, "585#6001200000000000");
-    expect_file("data", "abc", 3);
-}
-END_TEST
-
-/* He was told 08000020h, so the file is the old one. */
-START_TEST(a_client_that_waits_too_long)
-{
-    begin_write();
-    scan_await_note("event 0/5 HANDLER 3 2097408");
-    scan_expect(plant, "585#8001200020000008");
-    expect_old_file();
-}
-END_TEST
-
-START_TEST(a_client_that_goes_on)
-{
-    begin_write();
-    ck_assert_uint_eq(scan_sdo_write(plant, NODE, 0x1000, 0, 4, 0), 0x06010002);
-    expect_old_file();
-}
-END_TEST
-
-START_TEST(a_node_that_goes_offline)
-{
-    begin_write();
-    ck_assert_int_eq(canOpenResetNode(node), SCANOPEN_OK);
-    scan_activate(plant, node);
-    expect_old_file();
+    scan_talk(plant, end, COUNT(end));
+    scan_expect_text(plant, NODE, MEMORY, "ABCDEFGH");
 }
 END_TEST
 
@@ -610,19 +211,5 @@ int main(void)
     tcase_add_test(tcase, more_than_memory_has);
     tcase_add_test(tcase, a_handler_of_a_domain);
     tcase_add_test(tcase, reading_gets_what_was_there_when_it_began);
-    tcase_add_test(tcase, any_size_in_a_file);
-    tcase_add_test(tcase, no_bytes_in_a_file);
-    tcase_add_test(tcase, a_file_that_somebody_else_writes);
-    tcase_add_test(tcase, files_that_cannot_be_read);
-    tcase_add_test(tcase, files_that_cannot_be_written);
-    tcase_add_test(tcase, the_handler_is_asked_before_the_file);
-    tcase_add_test(tcase, reading_gets_one_file_whole);
-    tcase_add_test(tcase, the_application_has_no_value_of_a_file);
-    tcase_add_test(tcase, arguments_about_a_file);
-    tcase_add_test(tcase, a_file_outlives_a_reset);
-    tcase_add_test(tcase, nobody_else_waits_for_the_disk);
-    tcase_add_test(tcase, a_client_that_waits_too_long);
-    tcase_add_test(tcase, a_client_that_goes_on);
-    tcase_add_test(tcase, a_node_that_goes_offline);
     return suite_run("scan_domain", tcase);
 }

@@ -10,6 +10,8 @@
 #define SYNC_ID 0x080u
 #define RESET   0x0000u
 
+#define LAST_EMCY_ID 0x0FFu
+
 static bool is_emcy(const struct sim_gate *gate, const struct co_frame *frame)
 {
     return defect_is_from(gate, frame, EMCY_ID) && frame->dlc == 8;
@@ -52,10 +54,10 @@ static bool is_sync(const struct co_frame *frame, uint8_t dlc)
     return frame->id == SYNC_ID && frame->flags == 0 && frame->dlc == dlc;
 }
 
-static bool lose_fourth_sync(struct sim_gate *gate, struct defect_use *use, struct co_frame *frame)
+static bool lose_second_sync(struct sim_gate *gate, struct defect_use *use, struct co_frame *frame)
 {
     (void)gate;
-    return !is_sync(frame, 0) || ++use->count % 4 != 0;
+    return !is_sync(frame, 0) || ++use->count % 2 != 0;
 }
 
 static bool alter_counter(struct sim_gate *gate, struct defect_use *use, struct co_frame *frame)
@@ -81,8 +83,8 @@ static bool ignore_stop(struct sim_gate *gate, struct defect_use *use, struct co
 {
     enum nmt_command command;
 
-    if (use->on && defect_is_from(gate, frame, SDO_REQUEST_ID))
-        return false;
+    if (use->on && frame->id > LAST_EMCY_ID && frame->id < NMT_ERROR_CONTROL_ID)
+        return false; /* PDOs and SDO */
     if (frame->id != NMT_CAN_ID || !nmt_command_for(frame, gate_view(gate)->node, &command))
         return true;
     use->on = command == NMT_STOP;
@@ -261,8 +263,8 @@ const struct sim_defect sim_defects_errors[] = {
       .text = "1005h is wrong" },
     { .name = "sync-period",
       .family = "sync",
-      .from_device = lose_fourth_sync,
-      .text = "each fourth SYNC is not sent" },
+      .from_device = lose_second_sync,
+      .text = "each second SYNC is not sent" },
     { .name = "sync-period-unchanged",
       .family = "sync",
       .to_device = defect_swallow_write,

@@ -237,7 +237,7 @@ static bool check_inhibit(struct conform *self)
     if (second == CONFORM_NOTHING)
         return conform_skip(self, "the end of the error is no second emergency");
     gap = conform_time(self, second) - conform_time(self, first);
-    if (gap < CO_MS(INHIBIT_MS * 4 / 5))
+    if (gap < CO_MS(INHIBIT_MS / 2))
         return conform_fail(self, "1015h is %u ms: received two emergencies within %u us",
                             INHIBIT_MS, (unsigned)gap);
     return true;

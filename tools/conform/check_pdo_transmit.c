@@ -13,7 +13,7 @@
 
 #define ANSWER      500u /* ms, to a SYNC or a remote frame */
 #define EVENT_TIMER 20u  /* ms */
-#define INHIBIT     50u  /* ms */
+#define INHIBIT     100u /* ms */
 #define EVENT_TYPE  255u
 
 /* --- an event-driven TPDO --- */
@@ -71,17 +71,16 @@ static bool check_silent(struct conform *self, const struct conform_pdo *pdo)
     return conform_expect_none(self, from, pdo_id(pdo), CONFORM_QUIET);
 }
 
-static bool check_silent_after(struct conform *self, uint8_t command)
+static bool check_silent_after(struct conform *self, uint8_t command, uint8_t state)
 {
     struct conform_pdo pdo;
 
-    if (!set_event_timer(self, &pdo))
+    if (!conform_watch_state(self) || !set_event_timer(self, &pdo))
         return false;
     start(self);
     if (conform_await(self, conform_mark(self), pdo_id(&pdo), ANSWER) == CONFORM_NOTHING)
         return conform_skip(self, "the TPDO is not sent in Operational: see pdo-event-timer");
-    conform_nmt(self, command);
-    conform_listen(self, EVENT_TIMER); /* one may have been on its way */
+    conform_await_state(self, conform_nmt(self, command), state);
     return check_silent(self, &pdo);
 }
 
@@ -90,12 +89,12 @@ static bool check_preoperational(struct conform *self)
     struct conform_pdo pdo;
 
     return set_event_timer(self, &pdo) && check_silent(self, &pdo) &&
-           check_silent_after(self, CONFORM_PREOP);
+           check_silent_after(self, CONFORM_PREOP, STATE_PREOP);
 }
 
 static bool check_stopped(struct conform *self)
 {
-    return check_silent_after(self, CONFORM_STOP);
+    return check_silent_after(self, CONFORM_STOP, STATE_STOPPED);
 }
 
 /* --- remote frames --- */
@@ -340,7 +339,7 @@ static bool check_distance(struct conform *self, const struct conform_pdo *pdo, 
 {
     const co_us_t gap = conform_time(self, second) - conform_time(self, first);
 
-    if (gap < CO_MS(INHIBIT * 4 / 5))
+    if (gap < CO_MS(INHIBIT / 2))
         return conform_fail(self, "%04Xh:03 is %u ms: received two TPDOs within %u us", pdo->index,
                             INHIBIT, (unsigned)gap);
     return conform_frame(self, second)->data[0] == 0x43 ||

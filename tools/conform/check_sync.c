@@ -137,10 +137,10 @@ static bool check_stopped(struct conform *self)
 {
     size_t from, at;
 
-    if (!produce(self, 0) || !expect_sync(self, conform_mark(self), &at))
+    if (!conform_watch_state(self) || !produce(self, 0) ||
+        !expect_sync(self, conform_mark(self), &at))
         return false;
-    from = conform_nmt(self, CONFORM_STOP);
-    conform_listen(self, PERIOD); /* one may have been on its way */
+    conform_await_state(self, conform_nmt(self, CONFORM_STOP), STATE_STOPPED);
     from = conform_mark(self);
     if (!conform_expect_none(self, from, 0x80, 5 * PERIOD))
         return false;
@@ -151,11 +151,10 @@ static bool check_counter_restart(struct conform *self)
 {
     size_t at;
 
-    if (!produce(self, OVERFLOW) || !expect_sync(self, conform_mark(self), &at) ||
-        !expect_sync(self, at + 1, &at))
+    if (!conform_watch_state(self) || !produce(self, OVERFLOW) ||
+        !expect_sync(self, conform_mark(self), &at) || !expect_sync(self, at + 1, &at))
         return false;
-    conform_nmt(self, CONFORM_STOP);
-    conform_listen(self, 3 * PERIOD);
+    conform_await_state(self, conform_nmt(self, CONFORM_STOP), STATE_STOPPED);
     return expect_counter(self, conform_nmt(self, CONFORM_PREOP), 2);
 }
 

@@ -6,6 +6,8 @@
 #define STATE_WAIT 1000u /* ms; a heartbeat that cannot be set may be slow */
 #define ANSWER     500u  /* ms, for a remote frame */
 
+#define PERIOD_ATTEMPTS 3u
+
 /* --- states --- */
 
 uint32_t conform_control_id(const struct conform *self)
@@ -81,6 +83,15 @@ bool conform_expect_still(struct conform *self, size_t from, uint8_t state, cons
         from = at + 1;
     }
     return true;
+}
+
+void conform_await_state(struct conform *self, size_t from, uint8_t state)
+{
+    const uint32_t id = conform_control_id(self);
+
+    if (!conform_has(self, 0x1017) ||
+        conform_await_byte(self, from, id, state, ANSWER) == CONFORM_NOTHING)
+        conform_await(self, conform_send_rtr(self, id, 1), id, ANSWER);
 }
 
 bool conform_go(struct conform *self, uint8_t command, uint8_t state)
@@ -169,22 +180,33 @@ size_t conform_send_sync(struct conform *self)
 
 /* --- periods --- */
 
-bool conform_expect_period(struct conform *self, uint32_t id, unsigned count, unsigned ms)
+/* In us; 0: they do not come. */
+static co_us_t average_period(struct conform *self, uint32_t id, unsigned count, unsigned patience)
 {
-    const co_us_t expected = CO_MS(ms), tolerance = expected / 5 + CO_MS(5);
-    const unsigned patience = 10 * ms + 500;
     const size_t first = conform_await(self, conform_mark(self), id, patience);
     size_t last = first;
-    co_us_t average;
 
     for (unsigned i = 1; i < count && last != CONFORM_NOTHING; i++)
         last = conform_await(self, last + 1, id, patience);
     if (last == CONFORM_NOTHING)
+        return 0;
+    return (conform_time(self, last) - conform_time(self, first)) / (count - 1);
+}
+
+bool conform_expect_period(struct conform *self, uint32_t id, unsigned count, unsigned ms)
+{
+    const co_us_t expected = CO_MS(ms), tolerance = expected / 5 + CO_MS(5);
+    const unsigned patience = 10 * ms + 500;
+    co_us_t average = 1;
+
+    for (unsigned i = 0; i < PERIOD_ATTEMPTS && average != 0; i++) {
+        average = average_period(self, id, count, patience);
+        if (average + tolerance >= expected && average <= expected + tolerance)
+            return true;
+    }
+    if (average == 0)
         return conform_fail(self, "expected frames %03X each %u ms, received none within %u ms",
                             (unsigned)id, ms, patience);
-    average = (conform_time(self, last) - conform_time(self, first)) / (count - 1);
-    if (average + tolerance >= expected && average <= expected + tolerance)
-        return true;
     return conform_fail(self, "expected frames %03X each %u ms, received them each %u.%03u ms",
                         (unsigned)id, ms, (unsigned)(average / 1000), (unsigned)(average % 1000));
 }

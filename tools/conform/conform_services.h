@@ -19,6 +19,8 @@ uint32_t conform_control_id(const struct conform *self); /* of heartbeat, guardi
 bool conform_watch_state(struct conform *self);
 /* The device tells this state, at some time from a frame on. 'when' is for the message. */
 bool conform_expect_state(struct conform *self, size_t from, uint8_t state, const char *when);
+/* Gives a device whose state is watched the time to come into it, and judges nothing. */
+void conform_await_state(struct conform *self, size_t from, uint8_t state);
 /* The device tells this state and no other one, more than once from a frame on. */
 bool conform_expect_still(struct conform *self, size_t from, uint8_t state, const char *when);
 /* NMT command, and the state that it leads to. */
@@ -46,8 +48,8 @@ size_t conform_send_sync(struct conform *self);
 
 /*
  * Awaits 'count' frames from now on, and compares the average of the times between them with 'ms'.
- * Fails when it is off by more than a fifth and 5 ms; a machine under load is late, and not on
- * average.
+ * Fails when it is off by more than a fifth and 5 ms, three times: a machine under load is late,
+ * and not on average.
  */
 bool conform_expect_period(struct conform *self, uint32_t id, unsigned count, unsigned ms);
 

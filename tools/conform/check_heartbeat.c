@@ -142,12 +142,17 @@ static bool lose_heartbeat(struct conform *self, size_t *ret_from)
     return conform_expect_emcy(self, *ret_from, EMCY_LOST, &at);
 }
 
+/* By 1029h: 0, or without it: pre-operational, 1: as it is, 2: stopped. */
+static const uint8_t states[] = { STATE_PREOP, STATE_OPERATIONAL, STATE_STOPPED };
+
 static bool check_lost(struct conform *self)
 {
+    const uint64_t behaviour = conform_number(self, 0x1029, 1, 0);
     size_t from;
 
     return lose_heartbeat(self, &from) &&
-           conform_expect_state(self, from, STATE_PREOP, "after a heartbeat was lost");
+           conform_expect_state(self, from, states[behaviour < sizeof states ? behaviour : 0],
+                                "after a heartbeat was lost");
 }
 
 static bool check_back(struct conform *self)
@@ -162,8 +167,6 @@ static bool check_back(struct conform *self)
 
 static bool check_behaviour(struct conform *self)
 {
-    static const uint8_t states[] = { STATE_PREOP, STATE_OPERATIONAL, STATE_STOPPED };
-
     if (!conform_need_object(self, 0x1029))
         return false;
     for (uint8_t behaviour = 0; behaviour < sizeof states; behaviour++) {
@@ -196,7 +199,7 @@ static const struct conform_check checks[] = {
       "CiA 301, 7.5.2.18", CONFORM_RESET, 0x1016, check_not_before },
     { "heartbeat-watched-in-time", "no error while the heartbeats come in time",
       "CiA 301, 7.5.2.18", CONFORM_RESET, 0x1016, check_in_time },
-    { "heartbeat-watched-lost", "a lost heartbeat: EMCY 8130h, Operational is left",
+    { "heartbeat-watched-lost", "a lost heartbeat: EMCY 8130h, and the state that 1029h says",
       "CiA 301, 7.2.8.2.2.2", CONFORM_RESET, 0x1016, check_lost },
     { "heartbeat-watched-back", "the heartbeat is back: EMCY 0000h", "CiA 301, 7.2.7",
       CONFORM_RESET, 0x1016, check_back },

@@ -12,6 +12,14 @@ static size_t command(struct conform *self, uint8_t command, uint8_t node, uint8
     return conform_send_data(self, 0x000, (uint8_t[]){ command, node, 0 }, dlc);
 }
 
+/* A device may be told to start by itself (1F80h, bit 2). */
+static uint8_t state_after_boot_up(struct conform *self)
+{
+    const uint64_t start_up = conform_number(self, 0x1F80, 0, 0x4);
+
+    return (start_up & 0x5) == 0 ? STATE_OPERATIONAL : STATE_PREOP;
+}
+
 /* Boot-up, once, and then pre-operational. */
 static bool check_reset(struct conform *self, uint8_t reset)
 {
@@ -29,7 +37,7 @@ static bool check_reset(struct conform *self, uint8_t reset)
         return conform_fail(self, "expected one boot-up message, received two");
     from = conform_mark(self);
     return conform_watch_state(self) &&
-           conform_expect_state(self, from, STATE_PREOP, "after the boot-up message");
+           conform_expect_state(self, from, state_after_boot_up(self), "after the boot-up message");
 }
 
 static bool check_reset_node(struct conform *self)

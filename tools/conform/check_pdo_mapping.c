@@ -149,7 +149,7 @@ static bool check_length(struct conform *self)
         return false;
     bits = pdo.entries[0] & 0xFF;
     return refuse(self, &pdo, "which has another length",
-                  (pdo.entries[0] & ~0xFFu) | (bits == 8 ? 16 : 8));
+                  (pdo.entries[0] & ~0xFFu) | (bits <= 8 ? 16 : 8));
 }
 
 /* More than 64 bits: in the entries, or in their number. */

@@ -27,7 +27,7 @@ static bool is_readable(struct conform *self, uint32_t entry)
     struct conform_value value;
 
     if (object || self->has_eds)
-        return object && object->access != OD_WO;
+        return object && object->access != OD_WO && object->type != OD_BOOLEAN;
     return conform_read(self, pdo_entry_index(entry), pdo_entry_sub(entry), &value) == SDO_OK;
 }
 

@@ -23,11 +23,18 @@ static bool has_event_timer(struct conform *self, const struct conform_pdo *pdo)
     return conform_find(self, pdo->index, 5) != NULL;
 }
 
+/* A longer inhibit time would be the period. */
+static bool clear_inhibit_time(struct conform *self, const struct conform_pdo *pdo)
+{
+    return conform_number(self, pdo->index, 3, 0) == 0 ||
+           (conform_switch_pdo(self, pdo, false) && conform_must_write(self, pdo->index, 3, 2, 0));
+}
+
 /* A TPDO that its timer sends; the device is pre-operational. */
 static bool set_event_timer(struct conform *self, struct conform_pdo *ret_pdo)
 {
     return conform_find_fitting_pdo(self, TPDO, has_event_timer, ret_pdo) &&
-           conform_set_pdo_type(self, ret_pdo, EVENT_TYPE) &&
+           clear_inhibit_time(self, ret_pdo) && conform_set_pdo_type(self, ret_pdo, EVENT_TYPE) &&
            conform_must_write(self, ret_pdo->index, 5, 2, EVENT_TIMER);
 }
 

@@ -24,6 +24,12 @@ static bool check_cob_id(struct conform *self)
     return true;
 }
 
+static bool set_overflow(struct conform *self, uint8_t overflow)
+{
+    return conform_need_object(self, 0x1019) && conform_must_write(self, 0x1006, 0, 4, 0) &&
+           conform_must_write(self, 0x1019, 0, 1, overflow);
+}
+
 /* Some devices are consumers only. */
 static bool produce(struct conform *self, uint8_t overflow)
 {
@@ -31,8 +37,7 @@ static bool produce(struct conform *self, uint8_t overflow)
 
     if (!conform_need_object(self, 0x1006))
         return false;
-    if (overflow != 0 &&
-        (!conform_need_object(self, 0x1019) || !conform_must_write(self, 0x1019, 0, 1, overflow)))
+    if (overflow != 0 && !set_overflow(self, overflow))
         return false;
     if (!conform_must_write(self, 0x1006, 0, 4, 1000 * PERIOD))
         return false;
@@ -193,7 +198,7 @@ static const struct conform_check checks[] = {
     { "sync-stopped", "no SYNC in Stopped; it goes on after it", "CiA 301, 7.3.2.2", CONFORM_RESET,
       0x1005, check_stopped },
     { "sync-length", "SYNC with data where none is expected: EMCY 8240h", "CiA 301, 7.2.5",
-      CONFORM_RESET, 0x1005, check_length },
+      CONFORM_RESET, 0x1019, check_length },
 };
 
 const struct conform_family conform_sync = { "sync", "SYNC", checks,

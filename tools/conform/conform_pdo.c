@@ -81,7 +81,8 @@ bool conform_set_pdo_type(struct conform *self, struct conform_pdo *pdo, uint8_t
     if (!conform_switch_pdo(self, pdo, false))
         return false;
     result = conform_write_number(self, pdo->index, 2, 1, type);
-    if (result == SDO_READ_ONLY || result == SDO_INVALID_VALUE)
+    if (result == SDO_READ_ONLY || result == SDO_INVALID_VALUE || result == SDO_VALUE_HIGH ||
+        result == SDO_VALUE_LOW)
         return conform_skip(self, "%04Xh:02 does not take the type %u", pdo->index, type);
     if (result != SDO_OK && !conform_must_write(self, pdo->index, 2, 1, type))
         return false;

@@ -72,7 +72,8 @@ void slave_hear_emcy(struct slave *self, const struct co_frame *frame, co_us_t n
 {
     const uint32_t can_id = frame->id | ((frame->flags & CO_FRAME_EXT) != 0 ? COB_ID_EXT : 0);
 
-    if ((frame->flags & (CO_FRAME_RTR | CO_FRAME_OWN)) != 0 || frame->dlc != EMCY_SIZE ||
+    if (self->heard_count == 0 || frame->dlc != EMCY_SIZE ||
+        (frame->flags & (CO_FRAME_RTR | CO_FRAME_OWN)) != 0 ||
         (self->state != NMT_PREOPERATIONAL && self->state != NMT_OPERATIONAL))
         return;
     for (unsigned i = 0; i < self->heard_count; i++)

@@ -21,6 +21,7 @@ class Defects(plant.PlantTest):
         dump = self.dump()
         options = [word for name in defects for word in ("--defect", name)]
         sim = self.start_sim("--node", 5, DEVICE, *options)
+        dump.wait_for("705#00", 2 if "boot-up-twice" in defects else 1)
         for frame, answer, *times in talk:
             self.send(frame)
             if answer:

@@ -188,14 +188,15 @@ run_vcan()
     sh tests/vcan/run.sh "$build/debug"
 }
 
-# Against python-canopen and can-utils.
+# Against python-canopen and can-utils. The largest transfers take their time beside other lanes.
 run_interop()
 {
     venv=$build/venv-interop
     requirements=tests/interop/requirements.txt
     cmp -s $requirements "$venv/installed" || prepare_venv "$venv" $requirements ||
         cannot_run "pip does not install $requirements" || return 1
-    MCANOPEN_PYTHON=$venv/bin/python sh tests/vcan/run.sh "$build/debug" tests/interop/test_*.py
+    MCANOPEN_PYTHON=$venv/bin/python MCANOPEN_VCAN_SECONDS=${MCANOPEN_VCAN_SECONDS:-120} \
+        sh tests/vcan/run.sh "$build/debug" tests/interop/test_*.py
 }
 
 run_fuzz()

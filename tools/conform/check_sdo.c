@@ -54,6 +54,25 @@ static bool check_one_answer(struct conform *self)
     return conform_expect_none(self, first + 1, RESPONSE(self), CONFORM_QUIET);
 }
 
+/* Of a value, of an abort, and of a segment where the device has a longer value. */
+static bool check_answer_length(struct conform *self)
+{
+    const struct conform_object *object = conform_long_object(self, 5);
+    uint8_t answer[8];
+
+    check_ask(self, 0x40, 0x1000, 0, answer);
+    check_ask(self, 0x40, 0x1000, 1, answer);
+    if (object && check_ask(self, 0x40, object->index, object->sub, answer)) {
+        check_ask(self, 0x60, 0, 0, answer);
+        check_give_up(self, object);
+    }
+    for (size_t at = 0; (at = conform_await(self, at, RESPONSE(self), 0)) != CONFORM_NOTHING; at++)
+        if (conform_frame(self, at)->dlc != 8)
+            return conform_fail(self, "an answer has %u bytes, expected 8",
+                                conform_frame(self, at)->dlc);
+    return true;
+}
+
 static bool check_read_write_only(struct conform *self)
 {
     unsigned count = 0;
@@ -362,6 +381,7 @@ static const struct conform_check checks[] = {
     { "sdo-read-expedited", "1000h is read in one answer, with its size", "CiA 301, 7.2.4.3", 0, 0,
       check_expedited_read },
     { "sdo-one-answer", "a request has one answer", "CiA 301, 7.2.4.3", 0, 0, check_one_answer },
+    { "sdo-answer-length", "answers have 8 bytes", "CiA 301, 7.2.4.3", 0, 0, check_answer_length },
     { "sdo-write-back", "what was read can be written back", "CiA 301, 7.2.4.3", 0, 0,
       check_write_back },
     { "sdo-write-read-only", "a write to 1000h is refused", "CiA 301, 7.2.4.3.17", 0, 0,

@@ -205,10 +205,12 @@ bool conform_reset(struct conform *self, uint8_t command);
 #define CONFORM_NO_ANSWER  0xFFFFFFFFu
 #define CONFORM_BAD_ANSWER 0xFFFFFFFEu /* one that does not belong to the request */
 
-#define CONFORM_VALUE_MAX 1024u
+#define CONFORM_VALUE_MAX  1024u
+#define CONFORM_UPLOAD_MAX 65536u /* bytes; then an upload is broken off */
 
 struct conform_value {
     uint32_t announced;               /* by the server, in an upload in segments; 0: nothing */
+    bool cut;                         /* there is more */
     uint32_t size;                    /* all that came; the bytes behind CONFORM_VALUE_MAX are
                                          not kept */
     uint8_t bytes[CONFORM_VALUE_MAX]; /* 0 behind the value */

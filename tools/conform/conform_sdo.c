@@ -85,7 +85,8 @@ static uint32_t read_segments(struct conform *self, struct conform_value *value)
             return result;
         append(value, answer + 1, 7u - (answer[0] >> 1 & 7u));
         toggle ^= 0x10;
-    } while ((answer[0] & 0x01) == 0);
+        value->cut = value->size >= CONFORM_UPLOAD_MAX;
+    } while ((answer[0] & 0x01) == 0 && !value->cut);
     return SDO_OK;
 }
 
@@ -113,7 +114,7 @@ uint32_t conform_read(struct conform *self, uint16_t index, uint8_t sub,
     if ((answer[0] & 0x02) == 0) {
         ret_value->announced = answer[0] & 0x01 ? get_le32(answer + 4) : 0;
         result = read_segments(self, ret_value);
-        if (result == CONFORM_BAD_ANSWER)
+        if (result == CONFORM_BAD_ANSWER || ret_value->cut)
             give_up(self, index, sub);
         return result;
     }

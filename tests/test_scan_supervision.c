@@ -181,6 +181,32 @@ START_TEST(events_of_the_older_form)
 }
 END_TEST
 
+/* Off the bus nobody watches. */
+START_TEST(a_node_that_goes_offline)
+{
+    static const unsigned long list[] = { CHBT_ENTRY(9, 30000), END_OF_CHBT_LIST };
+    SLAVE_NODE_INFO info = guarded_info(EV_GUARDING | EV_CONSUMER_HEARTBEAT);
+
+    info.ulOptions |= CONSUMER_HEARTBEAT;
+    info.usGuardTime = 30000;
+    info.pulListCHBT = list;
+    info.ucMaxConsumerHB = 2;
+    node = scan_node(plant, 5, &info);
+    scan_activate(plant, node);
+    scan_send(plant, "705#R1");
+    expect_event("GUARDING", EV_START, 0);
+    scan_send(plant, "709#05");
+    expect_event(HEARTBEAT, EV_START, 9);
+    ck_assert_int_eq(canOpenResetNode(node), SCANOPEN_OK);
+    expect_event(HEARTBEAT, EV_STOP, 9);
+    expect_event("GUARDING", EV_STOP, 0);
+    scan_activate(plant, node);
+    ck_assert_int_eq(canOpenResetNode(node), SCANOPEN_OK);
+    ck_assert_int_eq(canOpenDeleteNode(node), SCANOPEN_OK);
+    scan_expect_no_note();
+}
+END_TEST
+
 /* --- what is asked for --- */
 
 START_TEST(events_that_are_not_asked_for)
@@ -242,6 +268,7 @@ int main(void)
     tcase_add_test(tcase, a_node_is_watched_once);
     tcase_add_test(tcase, life_guarding);
     tcase_add_test(tcase, events_of_the_older_form);
+    tcase_add_test(tcase, a_node_that_goes_offline);
     tcase_add_test(tcase, events_that_are_not_asked_for);
     tcase_add_loop_test(tcase, what_a_lost_master_does, 0, (int)COUNT(behaviours));
     return suite_run("scan_supervision", tcase);

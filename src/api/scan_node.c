@@ -190,12 +190,25 @@ int canOpenActivateNode(HNODE HNode)
     return result;
 }
 
+static void tell_end_of_watching(struct scan_node *node)
+{
+    for (unsigned i = 0; i < node->slave.consumer_count; i++) {
+        const uint8_t watched = slave_watched_node(&node->slave, i);
+
+        if (watched != 0)
+            scan_tell(node, EV_CONSUMER_HEARTBEAT, EV_STOP, watched);
+    }
+    if (node->slave.told_guarding)
+        scan_tell(node, EV_GUARDING, EV_STOP, 0);
+}
+
 /* Under the lock: off the bus; what the daemons still have of it is nothing any more. */
 static void deactivate(struct scan_node *node)
 {
     if (!node->active)
         return;
     node->active = false;
+    tell_end_of_watching(node);
     network_set_slave(node->net->network, node->id, NULL);
     slave_done(&node->slave);
     od_reset(&node->od, 0, UINT16_MAX);

@@ -219,6 +219,8 @@ struct slave {
  */
 enum co_err slave_init(struct slave *self, uint8_t node, struct od *od);
 void slave_done(struct slave *self);
+/* The node that is watched by sub-index i + 1 of 1016h, as SLAVE_WATCH has told; 0: none. */
+uint8_t slave_watched_node(const struct slave *self, unsigned i);
 /* 1016h is its owner's to watch: the device reports no heartbeats and does nothing about them. */
 void slave_leave_heartbeats(struct slave *self);
 

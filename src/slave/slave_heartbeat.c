@@ -34,6 +34,11 @@ uint8_t slave_consumer_node(const struct slave *self, unsigned i)
     return watch->period > 0 && watch->node <= NMT_NODE_MAX ? watch->node : 0;
 }
 
+uint8_t slave_watched_node(const struct slave *self, unsigned i)
+{
+    return self->consumers[i].told_running;
+}
+
 static void update_consumer_deadline(struct slave *self)
 {
     co_us_t deadline = CO_NEVER;

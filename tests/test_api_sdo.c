@@ -330,6 +330,32 @@ START_TEST(a_block_is_written)
 }
 END_TEST
 
+START_TEST(what_was_written_in_blocks_is_there)
+{
+    static char large[65536], value[65536];
+    int len = sizeof value;
+
+    for (size_t i = 0; i < sizeof large; i++)
+        large[i] = (char)(i * 7 + i / 256);
+    ck_assert_int_eq(
+        mcanOpenWriteSDO(0, 5, 0x2010, 0, TYP_DOMAIN | TYP_BLOCK, large, sizeof large, NULL),
+        MCANOPEN_OK);
+    ck_assert_uint_eq(api_get(plant, 5, 0x2010, value, sizeof value), sizeof value);
+    ck_assert_mem_eq(value, large, sizeof value);
+    memset(value, 0, sizeof value);
+    ck_assert_int_eq(mcanOpenReadSDO(0, 5, 0x2010, TYP_BLOCK, value, &len, NULL), MCANOPEN_OK);
+    ck_assert_int_eq(len, sizeof value);
+    ck_assert_mem_eq(value, large, sizeof value);
+    len = sizeof value;
+    ck_assert_int_eq(mcanOpenReadSDO(0, 5, 0x2002, TYP_BLOCK, value, &len, NULL), MCANOPEN_OK);
+    ck_assert_int_eq(len, 2);
+    api_wire_wait(wire, "605#A100", 2);
+    ck_assert_uint_eq(api_wire_count(wire, "605#C610200000000100"), 1);
+    ck_assert_uint_eq(api_wire_count(wire, "605#20102000"), 0);
+    ck_assert_uint_eq(api_wire_count(wire, "605#40102000"), 0);
+}
+END_TEST
+
 /* Of the size in the configuration, and without one of the largest. */
 START_TEST(a_block_is_read)
 {
@@ -456,6 +482,7 @@ int main(void)
     tcase_add_loop_test(tests, wrong_types_and_lengths_are_refused, 0, ROWS(refused));
     tcase_add_test(tests, what_was_written_is_there);
     tcase_add_test(tests, a_block_is_written);
+    tcase_add_test(tests, what_was_written_in_blocks_is_there);
     tcase_add_test(tests, a_block_is_read);
     tcase_add_test(tests, a_node_without_blocks_is_remembered);
     tcase_add_test(tests, the_managers_own_dictionary_answers);

@@ -158,7 +158,14 @@ static const struct talk talks[] = {
         { 2, GOT,  "585#0433320000000000" },
         { 2, SENT, "605#8008100010000706" },
         { 2, TOLD, "protocol 06070010 14" },
-        { 2, IDLE, NULL } } },
+        { 2, IDLE, NULL },
+        { 3, CALL, "read 1000:00 4" }, /* the server's segments still come */
+        { 3, SENT, "605#A400100004000000" },
+        { 3, GOT,  "585#0100000000000000" },
+        { 3, GOT,  "585#8200000000000000" },
+        { 3, CALL, "late 2" },
+        { 4, GOT,  "585#4300100091010F00" },
+        { 4, TOLD, "ok 00000000 4 91010F00" } } },
     { "more than there is room for", {
         { 0, CALL, "blocks of 4" },
         { 0, CALL, "read 1008:00 15" },

@@ -172,8 +172,7 @@ static bool check_history_clear(struct conform *self)
            conform_must_abort(self, "write 1 to 1003h:00",
                               conform_write_number(self, 0x1003, 0, 1, 1),
                               CODES(SDO_INVALID_VALUE, SDO_VALUE_HIGH, SDO_GENERAL)) &&
-           conform_must_write(self, 0x1003, 0, 1, 0) &&
-           expect_count(self, 0, "after 0 was written to it");
+           conform_set(self, 0x1003, 0, 1, 0) && expect_count(self, 0, "after 0 was written to it");
 }
 
 static unsigned history_size(struct conform *self)
@@ -210,7 +209,7 @@ static bool check_history_order(struct conform *self)
 
     if (!conform_need_object(self, 0x1016) || history_size(self) < 2)
         return conform_skip(self, "it takes two kinds of errors: 1016h, and two entries");
-    if (!provoke(self, &pdo, &at) || !conform_must_write(self, 0x1016, 1, 4, 0x7E0064))
+    if (!provoke(self, &pdo, &at) || !conform_set(self, 0x1016, 1, 4, 0x7E0064))
         return false;
     from = conform_send_data(self, 0x77E, (uint8_t[]){ STATE_OPERATIONAL }, 1);
     return conform_expect_emcy(self, from, 0x8130, &at) && expect_entry(self, 1, 0x8130) &&
@@ -226,7 +225,7 @@ static bool check_inhibit(struct conform *self)
     co_us_t gap;
     uint32_t id;
 
-    if (!conform_emcy_id(self, &id) || !conform_must_write(self, 0x1015, 0, 2, INHIBIT_MS * 10) ||
+    if (!conform_emcy_id(self, &id) || !conform_set(self, 0x1015, 0, 2, INHIBIT_MS * 10) ||
         !conform_provoke(self, &pdo, &from))
         return false;
     conform_appease(self, &pdo);
@@ -251,7 +250,7 @@ static bool check_off(struct conform *self)
 
     if (conform_write_number(self, 0x1014, 0, 4, id | 0x80000000u) == SDO_READ_ONLY)
         return conform_skip(self, "1014h cannot be written");
-    return conform_must_write(self, 0x1014, 0, 4, id | 0x80000000u) &&
+    return conform_set(self, 0x1014, 0, 4, id | 0x80000000u) &&
            conform_provoke(self, &pdo, &from) && conform_expect_none(self, from, id, CONFORM_QUIET);
 }
 

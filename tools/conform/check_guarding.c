@@ -58,18 +58,26 @@ static bool check_default(struct conform *self)
 static bool no_heartbeat(struct conform *self)
 {
     return !conform_has(self, 0x1017) || conform_number(self, 0x1017, 0, 0) == 0 ||
-           conform_must_write(self, 0x1017, 0, 2, 0);
+           conform_set(self, 0x1017, 0, 2, 0);
+}
+
+/* The toggle bit is as after a reset, and the state known where a device starts by itself. */
+static bool begin(struct conform *self)
+{
+    if (!conform_reset(self, CONFORM_RESET_COMM))
+        return false;
+    conform_nmt(self, CONFORM_PREOP);
+    return no_heartbeat(self);
 }
 
 static bool check_first(struct conform *self)
 {
-    return conform_reset(self, CONFORM_RESET_COMM) && no_heartbeat(self) &&
-           expect_answer(self, 0x00, STATE_PREOP);
+    return begin(self) && expect_answer(self, 0x00, STATE_PREOP);
 }
 
 static bool check_toggle(struct conform *self)
 {
-    if (!conform_reset(self, CONFORM_RESET_COMM) || !no_heartbeat(self))
+    if (!begin(self))
         return false;
     for (unsigned i = 0; i < 10; i++)
         if (!expect_answer(self, (uint8_t)(i % 2 << 7), STATE_PREOP))
@@ -79,7 +87,7 @@ static bool check_toggle(struct conform *self)
 
 static bool check_states(struct conform *self)
 {
-    if (!conform_reset(self, CONFORM_RESET_COMM) || !no_heartbeat(self))
+    if (!begin(self))
         return false;
     conform_nmt(self, CONFORM_START);
     if (!expect_answer(self, 0x00, STATE_OPERATIONAL))
@@ -104,8 +112,8 @@ static bool check_others(struct conform *self)
 
 static bool set_guarding(struct conform *self)
 {
-    return no_heartbeat(self) && conform_must_write(self, 0x100C, 0, 2, GUARD_TIME) &&
-           conform_must_write(self, 0x100D, 0, 1, 2);
+    return no_heartbeat(self) && conform_set(self, 0x100C, 0, 2, GUARD_TIME) &&
+           conform_set(self, 0x100D, 0, 1, 2);
 }
 
 static bool check_restored(struct conform *self)
@@ -168,7 +176,7 @@ static bool check_one(struct conform *self)
     size_t from;
     unsigned count;
 
-    if (!conform_need_object(self, 0x1017) || !conform_must_write(self, 0x1017, 0, 2, 1000))
+    if (!conform_need_object(self, 0x1017) || !conform_set(self, 0x1017, 0, 2, 1000))
         return false;
     from = conform_mark(self);
     for (unsigned i = 0; i < 3; i++)
@@ -176,7 +184,7 @@ static bool check_one(struct conform *self)
     count = conform_count(self, from, id, CONFORM_QUIET);
     if (count > 1)
         return conform_fail(self, "1017h is 1000: received %u answers to node guarding", count);
-    return conform_must_write(self, 0x1017, 0, 2, 0) &&
+    return conform_set(self, 0x1017, 0, 2, 0) &&
            (ask(self) != CONFORM_NOTHING ||
             conform_fail(self, "1017h is 0 again: no answer to node guarding"));
 }

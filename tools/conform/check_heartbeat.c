@@ -29,7 +29,7 @@ static bool check_default(struct conform *self)
 
 static bool check_period(struct conform *self)
 {
-    return conform_must_write(self, 0x1017, 0, 2, PERIOD) &&
+    return conform_set(self, 0x1017, 0, 2, PERIOD) &&
            conform_expect_period(self, conform_control_id(self), 12, PERIOD);
 }
 
@@ -37,11 +37,11 @@ static bool check_off(struct conform *self)
 {
     const uint32_t id = conform_control_id(self);
 
-    if (!conform_must_write(self, 0x1017, 0, 2, PERIOD))
+    if (!conform_set(self, 0x1017, 0, 2, PERIOD))
         return false;
     if (conform_await(self, conform_mark(self), id, 1000) == CONFORM_NOTHING)
         return conform_fail(self, "1017h is %u: expected heartbeats, received none", PERIOD);
-    return conform_must_write(self, 0x1017, 0, 2, 0) &&
+    return conform_set(self, 0x1017, 0, 2, 0) &&
            conform_expect_none(self, conform_mark(self), id, 4 * PERIOD);
 }
 
@@ -77,7 +77,7 @@ static bool check_duplicate(struct conform *self)
 {
     if (!conform_find(self, 0x1016, 2))
         return conform_skip(self, "1016h has one entry");
-    return conform_must_write(self, 0x1016, 1, 4, watch(self, 1000)) &&
+    return conform_set(self, 0x1016, 1, 4, watch(self, 1000)) &&
            conform_must_abort(self, "write 1016h:02: the node of 1016h:01",
                               conform_write_number(self, 0x1016, 2, 4, watch(self, 1000)),
                               CODES(SDO_PARAMETER, SDO_GENERAL));
@@ -87,7 +87,7 @@ static bool check_not_before(struct conform *self)
 {
     uint32_t id;
 
-    return conform_emcy_id(self, &id) && conform_must_write(self, 0x1016, 1, 4, watch(self, 50)) &&
+    return conform_emcy_id(self, &id) && conform_set(self, 0x1016, 1, 4, watch(self, 50)) &&
            conform_expect_no_emcy(self, conform_mark(self), EMCY_LOST, CONFORM_QUIET);
 }
 
@@ -116,13 +116,13 @@ static bool check_in_time(struct conform *self)
     for (unsigned i = 0; i < ATTEMPTS && self->end == CONFORM_RUNS; i++) {
         size_t from;
 
-        if (!conform_must_write(self, 0x1016, 1, 4, watch(self, WATCHED)))
+        if (!conform_set(self, 0x1016, 1, 4, watch(self, WATCHED)))
             return false;
         from = conform_mark(self);
         if (send_heartbeats(self, WATCHED / 5) < CO_MS(WATCHED * 4 / 5))
-            return conform_must_write(self, 0x1016, 1, 4, 0) &&
+            return conform_set(self, 0x1016, 1, 4, 0) &&
                    conform_expect_no_emcy(self, from, EMCY_LOST, 0);
-        conform_must_write(self, 0x1016, 1, 4, 0);
+        conform_set(self, 0x1016, 1, 4, 0);
     }
     return conform_skip(self, "this machine is too slow to send heartbeats each %u ms",
                         WATCHED / 5);
@@ -135,7 +135,7 @@ static bool lose_heartbeat(struct conform *self, size_t *ret_from)
     uint32_t id;
 
     if (!conform_emcy_id(self, &id) || !conform_watch_state(self) ||
-        !conform_must_write(self, 0x1016, 1, 4, watch(self, WATCHED / 2)) ||
+        !conform_set(self, 0x1016, 1, 4, watch(self, WATCHED / 2)) ||
         !conform_go(self, CONFORM_START, STATE_OPERATIONAL))
         return false;
     *ret_from = send_heartbeat(self);
@@ -172,7 +172,7 @@ static bool check_behaviour(struct conform *self)
     for (uint8_t behaviour = 0; behaviour < sizeof states; behaviour++) {
         size_t from;
 
-        if (!conform_must_write(self, 0x1029, 1, 1, behaviour) || !lose_heartbeat(self, &from) ||
+        if (!conform_set(self, 0x1029, 1, 1, behaviour) || !lose_heartbeat(self, &from) ||
             !conform_expect_state(self, from, states[behaviour],
                                   behaviour == 0   ? "heartbeat lost, 1029h:01 is 0"
                                   : behaviour == 1 ? "heartbeat lost, 1029h:01 is 1"

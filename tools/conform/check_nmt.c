@@ -58,7 +58,7 @@ static bool check_restored(struct conform *self, uint8_t reset)
     if (!object || object->index >= 0x2000)
         return conform_skip(self, "no communication parameter of 2 bytes can be written");
     if (!conform_must_read_number(self, object->index, object->sub, &before) ||
-        !conform_must_write(self, object->index, object->sub, 2, before + 1000) ||
+        !conform_set(self, object->index, object->sub, 2, before + 1000) ||
         !conform_reset(self, reset) ||
         !conform_must_read_number(self, object->index, object->sub, &after))
         return false;

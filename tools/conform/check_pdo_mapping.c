@@ -3,6 +3,7 @@
  */
 #include "conform_families.h"
 #include "conform_pdo.h"
+#include "conform_services.h"
 
 #include "od/abort.h"
 #include "od/od.h"
@@ -93,7 +94,7 @@ static bool check_locked_of(struct conform *self, uint16_t direction)
     struct conform_pdo pdo;
 
     if (!conform_find_pdo(self, direction, &pdo) || !conform_unmap_pdo(self, &pdo) ||
-        !conform_must_write(self, pdo_map(&pdo), 0, 1, pdo.count))
+        !conform_set(self, pdo_map(&pdo), 0, 1, pdo.count))
         return false;
     return conform_must_abort(self, "write an entry while sub-index 0 is not 0",
                               conform_write_number(self, pdo_map(&pdo), 1, 4, pdo.entries[0]),

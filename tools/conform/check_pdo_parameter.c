@@ -3,6 +3,7 @@
  */
 #include "conform_families.h"
 #include "conform_pdo.h"
+#include "conform_services.h"
 
 #include "od/abort.h"
 
@@ -54,8 +55,8 @@ static bool check_locked_of(struct conform *self, uint16_t direction)
     return conform_must_abort(self, "another identifier for a PDO in use", result,
                               CODES(SDO_INVALID_VALUE, SDO_DEVICE_STATE, SDO_GENERAL)) &&
            conform_switch_pdo(self, &pdo, false) &&
-           conform_must_write(self, pdo.index, 1, 4, other | PDO_INVALID) &&
-           conform_must_write(self, pdo.index, 1, 4, other);
+           conform_set(self, pdo.index, 1, 4, other | PDO_INVALID) &&
+           conform_set(self, pdo.index, 1, 4, other);
 }
 
 static bool check_locked_receive(struct conform *self)
@@ -113,7 +114,7 @@ static bool check_types_remote(struct conform *self)
     struct conform_pdo pdo;
 
     return conform_find_pdo(self, TPDO, &pdo) &&
-           conform_must_write(self, pdo.index, 1, 4, pdo.cob_id | PDO_INVALID | PDO_NO_RTR) &&
+           conform_set(self, pdo.index, 1, 4, pdo.cob_id | PDO_INVALID | PDO_NO_RTR) &&
            refuse_types(self, &pdo, types, sizeof types);
 }
 
@@ -141,7 +142,7 @@ static bool check_start_value(struct conform *self)
     return conform_must_abort(self, "write 18xxh:06 of a PDO in use",
                               conform_write_number(self, pdo.index, 6, 1, 1),
                               CODES(SDO_INVALID_VALUE, SDO_DEVICE_STATE, SDO_GENERAL)) &&
-           conform_switch_pdo(self, &pdo, false) && conform_must_write(self, pdo.index, 6, 1, 1) &&
+           conform_switch_pdo(self, &pdo, false) && conform_set(self, pdo.index, 6, 1, 1) &&
            conform_must_abort(self, "write 241 to 18xxh:06",
                               conform_write_number(self, pdo.index, 6, 1, 241),
                               CODES(SDO_INVALID_VALUE, SDO_VALUE_HIGH, SDO_GENERAL));

@@ -228,7 +228,7 @@ static bool check_deadline(struct conform *self)
     uint32_t id;
 
     if (!conform_emcy_id(self, &id) || !conform_find_fitting_pdo(self, RPDO, has_deadline, &pdo) ||
-        !conform_must_write(self, pdo.index, 5, 2, DEADLINE))
+        !conform_set(self, pdo.index, 5, 2, DEADLINE))
         return false;
     conform_nmt(self, CONFORM_START);
     from = conform_send_rpdo(self, &pdo, pdo.bytes);

@@ -23,19 +23,18 @@ static bool has_event_timer(struct conform *self, const struct conform_pdo *pdo)
     return conform_find(self, pdo->index, 5) != NULL;
 }
 
-/* A longer inhibit time would be the period. */
-static bool clear_inhibit_time(struct conform *self, const struct conform_pdo *pdo)
+static bool clear(struct conform *self, const struct conform_pdo *pdo, uint8_t sub)
 {
-    return conform_number(self, pdo->index, 3, 0) == 0 ||
-           (conform_switch_pdo(self, pdo, false) && conform_must_write(self, pdo->index, 3, 2, 0));
+    return conform_number(self, pdo->index, sub, 0) == 0 ||
+           (conform_switch_pdo(self, pdo, false) && conform_set(self, pdo->index, sub, 2, 0));
 }
 
-/* A TPDO that its timer sends; the device is pre-operational. */
+/* A TPDO that its timer sends, and no inhibit time holds back; the device is pre-operational. */
 static bool set_event_timer(struct conform *self, struct conform_pdo *ret_pdo)
 {
     return conform_find_fitting_pdo(self, TPDO, has_event_timer, ret_pdo) &&
-           clear_inhibit_time(self, ret_pdo) && conform_set_pdo_type(self, ret_pdo, EVENT_TYPE) &&
-           conform_must_write(self, ret_pdo->index, 5, 2, EVENT_TIMER);
+           clear(self, ret_pdo, 3) && conform_set_pdo_type(self, ret_pdo, EVENT_TYPE) &&
+           conform_set(self, ret_pdo->index, 5, 2, EVENT_TIMER);
 }
 
 /* All that is to be sent for the start itself has been. */
@@ -130,9 +129,9 @@ static bool check_no_remote(struct conform *self)
 {
     struct conform_pdo pdo;
 
-    if (!conform_find_pdo(self, TPDO, &pdo) ||
-        !conform_must_write(self, pdo.index, 1, 4, pdo.cob_id | PDO_INVALID | PDO_NO_RTR) ||
-        !conform_must_write(self, pdo.index, 1, 4, pdo.cob_id | PDO_NO_RTR))
+    if (!conform_find_pdo(self, TPDO, &pdo) || !clear(self, &pdo, 5) ||
+        !conform_set(self, pdo.index, 1, 4, pdo.cob_id | PDO_INVALID | PDO_NO_RTR) ||
+        !conform_set(self, pdo.index, 1, 4, pdo.cob_id | PDO_NO_RTR))
         return false;
     start(self);
     return conform_expect_none(self, conform_send_rtr(self, pdo_id(&pdo), pdo.bytes), pdo_id(&pdo),
@@ -205,8 +204,8 @@ static bool check_start_value(struct conform *self)
     size_t from;
 
     if (!conform_find_fitting_pdo(self, TPDO, has_start_value, &pdo) ||
-        !conform_must_write(self, 0x1019, 0, 1, 5) || !conform_switch_pdo(self, &pdo, false) ||
-        !conform_must_write(self, pdo.index, 6, 1, 3) || !conform_set_pdo_type(self, &pdo, 1))
+        !conform_set(self, 0x1019, 0, 1, 5) || !conform_switch_pdo(self, &pdo, false) ||
+        !conform_set(self, pdo.index, 6, 1, 3) || !conform_set_pdo_type(self, &pdo, 1))
         return false;
     start(self);
     from = conform_mark(self);
@@ -221,6 +220,11 @@ static bool check_start_value(struct conform *self)
 
 /* --- data, and events that an SDO write makes --- */
 
+static bool has_room(struct conform *self, const struct conform_pdo *pdo)
+{
+    return pdo->count < 4 && conform_find(self, pdo_map(pdo), (uint8_t)(pdo->count + 1));
+}
+
 /* A TPDO of objects that can be written, so that a write changes its data. */
 static bool map_writable(struct conform *self, struct conform_pdo *ret_pdo)
 {
@@ -229,7 +233,7 @@ static bool map_writable(struct conform *self, struct conform_pdo *ret_pdo)
     if (!conform_find_pdo(self, TPDO, ret_pdo))
         return false;
     ret_pdo->count = 0;
-    for (size_t i = 0; i < self->object_count && ret_pdo->count < 4; i++) {
+    for (size_t i = 0; i < self->object_count && has_room(self, ret_pdo); i++) {
         const struct conform_object *object = &self->objects[i];
         const uint32_t entry = conform_entry(object);
 
@@ -246,8 +250,8 @@ static bool map_writable(struct conform *self, struct conform_pdo *ret_pdo)
 
 static bool write_entry(struct conform *self, uint32_t entry, uint64_t number)
 {
-    return conform_must_write(self, pdo_entry_index(entry), pdo_entry_sub(entry),
-                              (entry & 0xFF) / 8, number);
+    return conform_set(self, pdo_entry_index(entry), pdo_entry_sub(entry), (entry & 0xFF) / 8,
+                       number);
 }
 
 /* What the mapping makes of the values that SDO reads. */
@@ -337,8 +341,7 @@ static bool set_inhibit_time(struct conform *self, struct conform_pdo *pdo)
     if (!has_inhibit_time(self, pdo))
         return conform_skip(self, "the device has no %04Xh:03", pdo->index);
     return conform_set_pdo_type(self, pdo, EVENT_TYPE) && conform_switch_pdo(self, pdo, false) &&
-           conform_must_write(self, pdo->index, 3, 2, INHIBIT * 10) &&
-           conform_switch_pdo(self, pdo, true);
+           conform_set(self, pdo->index, 3, 2, INHIBIT * 10) && conform_switch_pdo(self, pdo, true);
 }
 
 static bool check_distance(struct conform *self, const struct conform_pdo *pdo, size_t first,

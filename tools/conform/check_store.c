@@ -82,8 +82,7 @@ static bool find_parameter(struct conform *self, struct parameter *ret_parameter
 
 static bool set_parameter(struct conform *self, const struct parameter *parameter)
 {
-    return conform_must_write(self, parameter->object->index, parameter->object->sub, 2,
-                              parameter->other);
+    return conform_set(self, parameter->object->index, parameter->object->sub, 2, parameter->other);
 }
 
 static bool expect_parameter(struct conform *self, const struct parameter *parameter,
@@ -100,7 +99,7 @@ static bool expect_parameter(struct conform *self, const struct parameter *param
 
 static bool save(struct conform *self)
 {
-    return conform_must_write(self, STORE, 1, 4, SAVE);
+    return conform_set(self, STORE, 1, 4, SAVE);
 }
 
 /* The defaults, whatever the check has found: what it says first counts. */
@@ -156,7 +155,7 @@ static bool save_and_load(struct conform *self)
     struct parameter parameter;
 
     return find_parameter(self, &parameter) && set_parameter(self, &parameter) && save(self) &&
-           conform_must_write(self, RESTORE, 1, 4, LOAD) &&
+           conform_set(self, RESTORE, 1, 4, LOAD) &&
            expect_parameter(self, &parameter, parameter.other,
                             "after \"load\", before the reset") &&
            conform_reset(self, CONFORM_RESET_NODE) &&
@@ -186,8 +185,8 @@ static bool save_date(struct conform *self)
 {
     struct parameter parameter;
 
-    return find_parameter(self, &parameter) && conform_must_write(self, DATE, 1, 4, 12345) &&
-           conform_must_write(self, DATE, 2, 4, 67890) && save(self) &&
+    return find_parameter(self, &parameter) && conform_set(self, DATE, 1, 4, 12345) &&
+           conform_set(self, DATE, 2, 4, 67890) && save(self) &&
            conform_reset(self, CONFORM_RESET_NODE) &&
            expect_date(self, 12345, 67890, "after \"save\" and reset node") &&
            set_parameter(self, &parameter) &&
@@ -205,9 +204,8 @@ static bool save_producer(struct conform *self)
 {
     size_t from, at;
 
-    if (!conform_must_write(self, 0x1006, 0, 4, 0) ||
-        !conform_must_write(self, 0x1019, 0, 1, SYNC_OVERFLOW) ||
-        !conform_must_write(self, 0x1006, 0, 4, 20000))
+    if (!conform_set(self, 0x1006, 0, 4, 0) || !conform_set(self, 0x1019, 0, 1, SYNC_OVERFLOW) ||
+        !conform_set(self, 0x1006, 0, 4, 20000))
         return false;
     if (conform_write_number(self, 0x1005, 0, 4, 0x40000080) != SDO_OK)
         return conform_skip(self, "the device produces no SYNC: 1005h refuses bit 30");

@@ -26,8 +26,10 @@ static bool check_cob_id(struct conform *self)
 
 static bool set_overflow(struct conform *self, uint8_t overflow)
 {
-    return conform_need_object(self, 0x1019) && conform_must_write(self, 0x1006, 0, 4, 0) &&
-           conform_must_write(self, 0x1019, 0, 1, overflow);
+    if (conform_number(self, 0x1019, 0, 0) == overflow)
+        return true;
+    return conform_need_object(self, 0x1019) && conform_set(self, 0x1006, 0, 4, 0) &&
+           conform_set(self, 0x1019, 0, 1, overflow);
 }
 
 /* Some devices are consumers only. */
@@ -37,14 +39,14 @@ static bool produce(struct conform *self, uint8_t overflow)
 
     if (!conform_need_object(self, 0x1006))
         return false;
-    if (overflow != 0 && !set_overflow(self, overflow))
+    if (!set_overflow(self, overflow))
         return false;
-    if (!conform_must_write(self, 0x1006, 0, 4, 1000 * PERIOD))
+    if (!conform_set(self, 0x1006, 0, 4, 1000 * PERIOD))
         return false;
     result = conform_write_number(self, 0x1005, 0, 4, PRODUCER | 0x80);
     if (result == SDO_INVALID_VALUE || result == SDO_READ_ONLY)
         return conform_skip(self, "the device produces no SYNC: 1005h refuses bit 30");
-    return result == SDO_OK || conform_must_write(self, 0x1005, 0, 4, PRODUCER | 0x80);
+    return result == SDO_OK || conform_set(self, 0x1005, 0, 4, PRODUCER | 0x80);
 }
 
 static bool check_producer(struct conform *self)
@@ -67,13 +69,13 @@ static bool check_off(struct conform *self)
     size_t at;
 
     if (!produce(self, 0) || !expect_sync(self, conform_mark(self), &at) ||
-        !conform_must_write(self, 0x1006, 0, 4, 0) ||
+        !conform_set(self, 0x1006, 0, 4, 0) ||
         !conform_expect_none(self, conform_mark(self), 0x80, 5 * PERIOD))
         return false;
-    if (!conform_must_write(self, 0x1006, 0, 4, 1000 * PERIOD) ||
+    if (!conform_set(self, 0x1006, 0, 4, 1000 * PERIOD) ||
         !expect_sync(self, conform_mark(self), &at))
         return false;
-    return conform_must_write(self, 0x1005, 0, 4, 0x80) &&
+    return conform_set(self, 0x1005, 0, 4, 0x80) &&
            conform_expect_none(self, conform_mark(self), 0x80, 5 * PERIOD);
 }
 
@@ -131,8 +133,7 @@ static bool check_overflow_values(struct conform *self)
 
 static bool check_overflow_locked(struct conform *self)
 {
-    return conform_need_object(self, 0x1006) &&
-           conform_must_write(self, 0x1006, 0, 4, 1000 * PERIOD) &&
+    return conform_need_object(self, 0x1006) && conform_set(self, 0x1006, 0, 4, 1000 * PERIOD) &&
            conform_must_abort(self, "write 1019h while 1006h is not 0",
                               conform_write_number(self, 0x1019, 0, 1, OVERFLOW),
                               CODES(SDO_DEVICE_STATE, SDO_GENERAL));
@@ -170,6 +171,8 @@ static bool check_length(struct conform *self)
     size_t from, at;
 
     if (!conform_emcy_id(self, &id) || !conform_find_pdo(self, TPDO, &pdo))
+        return false;
+    if (!set_overflow(self, 0))
         return false;
     if (conform_write_number(self, pdo.index, 2, 1, 1) != SDO_OK)
         return conform_skip(self, "the device takes no synchronous TPDO: it needs no SYNC");

@@ -71,7 +71,7 @@ bool conform_switch_pdo(struct conform *self, const struct conform_pdo *pdo, boo
 {
     const uint32_t cob_id = on ? pdo->cob_id & ~PDO_INVALID : pdo->cob_id | PDO_INVALID;
 
-    return conform_must_write(self, pdo->index, 1, 4, cob_id);
+    return conform_set(self, pdo->index, 1, 4, cob_id);
 }
 
 bool conform_set_pdo_type(struct conform *self, struct conform_pdo *pdo, uint8_t type)
@@ -84,7 +84,7 @@ bool conform_set_pdo_type(struct conform *self, struct conform_pdo *pdo, uint8_t
     if (result == SDO_READ_ONLY || result == SDO_INVALID_VALUE || result == SDO_VALUE_HIGH ||
         result == SDO_VALUE_LOW)
         return conform_skip(self, "%04Xh:02 does not take the type %u", pdo->index, type);
-    if (result != SDO_OK && !conform_must_write(self, pdo->index, 2, 1, type))
+    if (result != SDO_OK && !conform_set(self, pdo->index, 2, 1, type))
         return false;
     pdo->type = type;
     return conform_switch_pdo(self, pdo, true);
@@ -98,7 +98,7 @@ bool conform_unmap_pdo(struct conform *self, const struct conform_pdo *pdo)
         result = conform_write_number(self, pdo_map(pdo), 0, 1, 0);
     if (result == SDO_READ_ONLY || result == SDO_ACCESS)
         return conform_skip(self, "the mapping %04Xh is fixed", pdo_map(pdo));
-    return result == SDO_OK || conform_must_write(self, pdo_map(pdo), 0, 1, 0);
+    return result == SDO_OK || conform_set(self, pdo_map(pdo), 0, 1, 0);
 }
 
 bool conform_map_pdo(struct conform *self, struct conform_pdo *pdo)
@@ -106,13 +106,12 @@ bool conform_map_pdo(struct conform *self, struct conform_pdo *pdo)
     unsigned bits = 0;
 
     for (unsigned i = 0; i < pdo->count; i++) {
-        if (!conform_must_write(self, pdo_map(pdo), (uint8_t)(i + 1), 4, pdo->entries[i]))
+        if (!conform_set(self, pdo_map(pdo), (uint8_t)(i + 1), 4, pdo->entries[i]))
             return false;
         bits += pdo->entries[i] & 0xFF;
     }
     pdo->bytes = (uint8_t)((bits + 7) / 8);
-    return conform_must_write(self, pdo_map(pdo), 0, 1, pdo->count) &&
-           conform_switch_pdo(self, pdo, true);
+    return conform_set(self, pdo_map(pdo), 0, 1, pdo->count) && conform_switch_pdo(self, pdo, true);
 }
 
 /* A BOOLEAN is one bit for some devices, and eight for others: no check takes it. */

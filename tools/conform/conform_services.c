@@ -8,6 +8,18 @@
 
 #define PERIOD_ATTEMPTS 3u
 
+bool conform_set(struct conform *self, uint16_t index, uint8_t sub, uint32_t size, uint64_t number)
+{
+    static const uint32_t limits[] = { SDO_READ_ONLY, SDO_VALUE_HIGH, SDO_VALUE_LOW };
+    const uint32_t result = conform_write_number(self, index, sub, size, number);
+
+    for (size_t i = 0; i < sizeof limits / sizeof limits[0]; i++)
+        if (result == limits[i])
+            return conform_skip(self, "%04Xh:%02X does not take %u: %s", index, sub,
+                                (unsigned)number, sdo_abort_text(result));
+    return result == SDO_OK || conform_must_write(self, index, sub, size, number);
+}
+
 /* --- states --- */
 
 uint32_t conform_control_id(const struct conform *self)
@@ -28,7 +40,7 @@ const char *conform_state_text(uint8_t state)
 
 bool conform_watch_state(struct conform *self)
 {
-    return !conform_has(self, 0x1017) || conform_must_write(self, 0x1017, 0, 2, HEARTBEAT_FAST);
+    return !conform_has(self, 0x1017) || conform_set(self, 0x1017, 0, 2, HEARTBEAT_FAST);
 }
 
 static bool fail_state(struct conform *self, size_t at, uint8_t state, const char *when)

@@ -12,6 +12,12 @@
 
 #define HEARTBEAT_FAST 50u /* ms, of a device whose state is watched */
 
+/*
+ * Gives an object the value that a check needs. An object that is read-only, or does not take this
+ * value, is not the check's matter: SKIP. It fails when anything else is wrong.
+ */
+bool conform_set(struct conform *self, uint16_t index, uint8_t sub, uint32_t size, uint64_t number);
+
 /* --- states --- */
 
 uint32_t conform_control_id(const struct conform *self); /* of heartbeat, guarding, boot-up */

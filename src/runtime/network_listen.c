@@ -146,16 +146,20 @@ void network_follow(struct network *self, struct device *device)
 {
     const struct slave *slave = device->slave;
 
-    if (!slave)
+    if (!slave || slave->listen_generation == device->listen_seen)
         return;
-    if (slave->listen_generation != device->listen_seen) {
-        device->listen_seen = slave->listen_generation;
-        network_listen(self);
-    }
-    if (slave->sync_generation != device->sync_seen) {
-        device->sync_seen = slave->sync_generation;
-        follow_sync(self, device);
-    }
+    device->listen_seen = slave->listen_generation;
+    network_listen(self);
+}
+
+void network_follow_sync(struct network *self, struct device *device)
+{
+    const struct slave *slave = device->slave;
+
+    if (!slave || slave->sync_generation == device->sync_seen)
+        return;
+    device->sync_seen = slave->sync_generation;
+    follow_sync(self, device);
 }
 
 enum co_err network_forget(struct network *self, struct device *device)

@@ -60,6 +60,7 @@ void network_drain(struct network *self, struct device *device)
         put_frame(self, &frame);
         network_expect(self, device, &frame);
     }
+    network_follow_sync(self, device);
     while (co_outbox_take_event(&self->out, &event)) {
         self->has_events = true;
         if (device->sink)

@@ -44,14 +44,21 @@ def deviating(section, key, value):
 
 
 class Conform(plant.PlantTest):
+    def start_conform(self, *arguments):
+        return self.run_command([*plant.WRAP, plant.MCANOPEN, "conform", "--bus", self.bus.name,
+                                 *arguments])
+
     def conform(self, *arguments, code=0):
-        process = self.run_command([*plant.WRAP, plant.MCANOPEN, "conform", "--bus", self.bus.name,
-                                    *arguments])
+        process = self.start_conform(*arguments)
         self.assertEqual(process.code, code, process.story())
         return process
 
     def report(self, *arguments, code=0):
-        return json.loads(self.conform("--json", *arguments, code=code).out.text())
+        process = self.start_conform("--json", *arguments)
+        report = json.loads(process.out.text())
+        failed = [check for check in report["checks"] if check["verdict"] == "FAIL"]
+        self.assertEqual(process.code, code, json.dumps(failed, indent=2) + process.err.text())
+        return report
 
     def verdicts(self, *arguments, code=0):
         """{check: verdict}"""

@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FIRST_PROBED 0x1000u
-#define LAST_PROBED  0x1FFFu
+#define FIRST_OBJECT 0x1000u
+#define PROBED_GAP   0x50u /* a drive's second axis has its PDOs 40h behind those of the first */
 
 /* --- objects of the EDS --- */
 
@@ -59,7 +59,7 @@ static bool take_eds_objects(struct conform *self)
         const struct dcf_entry *entry = &self->eds.entries[i];
         struct conform_object *object;
 
-        if (entry->index < FIRST_PROBED || entry->access == OD_NONE)
+        if (entry->index < FIRST_OBJECT || entry->access == OD_NONE)
             continue;
         object = add_object(self, entry->index, entry->sub);
         if (!object)
@@ -96,20 +96,49 @@ static bool probe_subs(struct conform *self, uint16_t index, const struct confor
     return true;
 }
 
-static bool probe_objects(struct conform *self)
+/* false: no memory */
+static bool probe_object(struct conform *self, uint16_t index, uint32_t *ret_result)
 {
-    for (uint32_t index = FIRST_PROBED; index <= LAST_PROBED; index++) {
-        struct conform_value value;
-        const uint32_t result = conform_read(self, (uint16_t)index, 0, &value);
+    struct conform_value value;
 
-        self->frame_count = 0;
+    *ret_result = conform_read(self, index, 0, &value);
+    self->frame_count = 0;
+    if (*ret_result == CONFORM_NO_ANSWER || is_absent(*ret_result))
+        return true;
+    return add_object(self, index, 0) && probe_subs(self, index, &value);
+}
+
+/*
+ * On a slow bus it takes long to ask for each index: what belongs together stands together. Ends
+ * where the device falls silent.
+ */
+static bool probe_range(struct conform *self, uint32_t first, uint32_t last)
+{
+    uint32_t result = SDO_OK;
+
+    for (uint32_t index = first, seen = first; index <= last && index - seen < PROBED_GAP;
+         index++) {
+        if (!probe_object(self, (uint16_t)index, &result))
+            return false;
         if (result == CONFORM_NO_ANSWER)
             break;
-        if (is_absent(result))
-            continue;
-        if (!add_object(self, (uint16_t)index, 0) || !probe_subs(self, (uint16_t)index, &value))
-            return false;
+        if (!is_absent(result))
+            seen = index;
     }
+    return true;
+}
+
+static bool probe_objects(struct conform *self)
+{
+    static const struct {
+        uint16_t first, last;
+    } ranges[] = { { 0x1000, 0x103F }, { 0x1200, 0x127F }, { 0x1280, 0x12FF },
+                   { 0x1400, 0x15FF }, { 0x1600, 0x17FF }, { 0x1800, 0x19FF },
+                   { 0x1A00, 0x1BFF }, { 0x1F20, 0x1F5F }, { 0x1F80, 0x1FFF } };
+
+    for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++)
+        if (!probe_range(self, ranges[i].first, ranges[i].last))
+            return false;
     return true;
 }
 

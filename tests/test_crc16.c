@@ -28,7 +28,7 @@ static uint16_t by_definition(const uint8_t *bytes, size_t count)
     unsigned crc = 0;
 
     for (size_t i = 0; i < 8 * count; i++) {
-        const unsigned bit = bytes[i / 8] >> (7 - i % 8) & 1u;
+        const unsigned byte = bytes[i / 8], bit = byte >> (7 - i % 8) & 1;
 
         crc = (crc << 1 & 0xFFFF) ^ ((crc >> 15) != bit ? 0x1021u : 0u);
     }

@@ -1,4 +1,5 @@
 /* SDO server: bytes that its owner keeps, and channels other than a node's default one. */
+#include "base/bytes.h"
 #include "support/server_bench.h"
 
 #include <check.h>
@@ -155,7 +156,7 @@ START_TEST(test_given_bytes_are_copied)
     sdo_server_give(&bench.server, SDO_OK, bytes, sizeof bytes, 3, &out);
     ck_assert_uint_eq(out.frame_count, 2);
     ck_assert_uint_eq(frames[1].data[0], 0x80);
-    ck_assert_uint_eq(frames[1].data[7] << 8 | frames[1].data[4], SDO_NO_MEMORY >> 24 << 8 | 5);
+    ck_assert_uint_eq(get_le32(frames[1].data + 4), SDO_NO_MEMORY);
     server_bench_done(&bench);
 }
 END_TEST

@@ -146,6 +146,21 @@ START_TEST(test_heartbeat)
 }
 END_TEST
 
+/* 1005h and 1006h are there only with a Sync_Interval; one of 0 sends nothing. */
+START_TEST(test_sync)
+{
+    config.sync_cob_id = 0x90;
+    ck_assert_uint_eq(filled(0x1005, 0), MISSING);
+    ck_assert_uint_eq(filled(0x1006, 0), MISSING);
+    config.has_sync_interval = true;
+    ck_assert_uint_eq(filled(0x1005, 0), 0x90);
+    ck_assert_uint_eq(filled(0x1006, 0), 0);
+    config.sync_interval = 20000;
+    ck_assert_uint_eq(filled(0x1005, 0), 0x40000090);
+    ck_assert_uint_eq(filled(0x1006, 0), 20000);
+}
+END_TEST
+
 START_TEST(test_identity)
 {
     nodes[2].device_type = 0x191;
@@ -194,6 +209,7 @@ int main(void)
     tcase_add_test(objects, test_startup);
     tcase_add_test(objects, test_assignment);
     tcase_add_test(objects, test_heartbeat);
+    tcase_add_test(objects, test_sync);
     tcase_add_test(objects, test_identity);
     tcase_add_test(objects, test_configuration_date);
     tcase_add_test(objects, test_twice);

@@ -146,9 +146,15 @@ static const struct fault {
     { NODE("<Verify_Configuration>TRUE</Verify_Configuration>\n"),
       "7: error: Verify_Configuration: comparing before writing is not supported yet\n",
       CO_ERR_VALUE, CO_ERR_VALUE },
-    { NET("<Sync_Interval>0</Sync_Interval>\n<Sync_Cob_Id>0x81</Sync_Cob_Id>\n" ONE),
-      "5: error: Sync_Interval: the SYNC producer is not supported yet\n", CO_ERR_VALUE,
+    { NET("<Sync_Interval>1000</Sync_Interval>\n<Sync_Cob_Id>0x705</Sync_Cob_Id>\n" ONE),
+      "6: error: Sync_Cob_Id: 0x705 belongs to other services, or is no identifier\n", CO_ERR_VALUE,
       CO_ERR_VALUE },
+    { NET("<Sync_Cob_Id>0x800</Sync_Cob_Id>\n" ONE),
+      "5: error: Sync_Cob_Id: 0x800 belongs to other services, or is no identifier\n", CO_ERR_VALUE,
+      CO_ERR_VALUE },
+    { NET("<Sync_Cob_Id>0x80000080</Sync_Cob_Id>\n" ONE),
+      "5: error: Sync_Cob_Id: 0x80000080 belongs to other services, or is no identifier\n",
+      CO_ERR_VALUE, CO_ERR_VALUE },
 
     /* no configuration at all */
     { "", " error: the file is empty\n", CO_ERR_FORMAT, CO_ERR_FORMAT },

@@ -99,6 +99,7 @@ static unsigned map_network_event(const struct network_config *config, const str
     case MANAGER_HALTED: return put_halted(ret_events, config, event);
     case MANAGER_NODE_ID_TAKEN:
     case MANAGER_NODE_UNFOLLOWED:
+    case MANAGER_SYNC_MISSING:
     case MANAGER_SECOND_MASTER: return put_text(ret_events, config, event);
     case MANAGER_DROPPED:
     case RUNTIME_FRAMES_LOST:

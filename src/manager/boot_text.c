@@ -382,6 +382,10 @@ static bool add_network_news(struct text *text, const struct network_config *con
         *ret_severity = CO_WARNING;
         add_command(text, event);
         return true;
+    case MANAGER_SYNC_MISSING:
+        *ret_severity = CO_WARNING;
+        add(text, "SYNC is not on the bus: the interface does not send it");
+        return true;
     default: return false;
     }
 }

@@ -29,7 +29,8 @@ enum manager_event {
     MANAGER_NODE_ID_TAKEN,   /* node: the manager's own; detail: state that another device reports
                                 with it; actual: how often so far; told ever more rarely */
     MANAGER_DROPPED,         /* actual: frames not looked at, for want of room for their events */
-    MANAGER_REQUEST_DONE     /* node: a request of the application has ended */
+    MANAGER_REQUEST_DONE,    /* node: a request of the application has ended */
+    MANAGER_SYNC_MISSING     /* SYNC that the kernel sends for the manager does not come; once */
 };
 
 #endif

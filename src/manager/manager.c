@@ -96,6 +96,8 @@ static struct co_event translate(const struct manager *self, const struct co_eve
 
     if (event->type == PROTO_GUARD_TOGGLE)
         outer.type = MANAGER_NODE_TOGGLE;
+    if (event->type == SLAVE_SYNC_MISSING)
+        outer.type = MANAGER_SYNC_MISSING;
     if (event->type == SLAVE_STATE) {
         outer.type = MANAGER_STATE;
         outer.node = self->config->manager_node_id;

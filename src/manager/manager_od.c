@@ -3,7 +3,8 @@
 /* Major version in the high word, minor version in the low one. */
 #define REVISION ((uint32_t)MCANOPEN_VERSION_MAJOR << 16 | MCANOPEN_VERSION_MINOR)
 
-#define EMCY_COB_ID 0x80u
+#define EMCY_COB_ID   0x80u
+#define SYNC_PRODUCER 0x40000000u /* bit of 1005h */
 
 static uint32_t nmt_startup(const struct network_config *config)
 {
@@ -101,6 +102,22 @@ static enum co_err add_node_object(const struct node_object *object,
     return err;
 }
 
+/* A SYNC producer's, where one is asked for; the object without a period sends none. */
+static enum co_err add_sync(const struct network_config *config, struct od *od)
+{
+    uint32_t cob_id = config->sync_cob_id;
+    enum co_err err;
+
+    if (!config->has_sync_interval)
+        return CO_OK;
+    if (config->sync_interval != 0)
+        cob_id |= SYNC_PRODUCER;
+    err = od_add_number(od, 0x1005, 0, OD_UNSIGNED32, OD_RW, cob_id);
+    if (err == CO_OK)
+        err = od_add_number(od, 0x1006, 0, OD_UNSIGNED32, OD_RW, config->sync_interval);
+    return err;
+}
+
 enum co_err manager_od_fill(const struct network_config *config, struct od *od)
 {
     const struct {
@@ -127,5 +144,7 @@ enum co_err manager_od_fill(const struct network_config *config, struct od *od)
                             numbers[i].access, numbers[i].value);
     for (size_t i = 0; i < sizeof node_objects / sizeof *node_objects && err == CO_OK; i++)
         err = add_node_object(&node_objects[i], config, od);
+    if (err == CO_OK)
+        err = add_sync(config, od);
     return err;
 }

@@ -1,19 +1,22 @@
 #include "manager/network_config_check.h"
 
+#include "slave/slave_pdo.h"
+
 #include <string.h>
+
+#define NO_IDENTIFIER 0x80000000u /* bits of 1005h: reserved */
+#define SYNC_PRODUCER 0x40000000u /* bit of 1005h; the manager sets it by itself */
 
 /* What is refused until the code that does it is there: then its row goes. */
 static const struct not_yet {
     const char *element;
-    bool even_default; /* refused whatever its value; else only with another than its default */
     const char *text;
 } not_yet[] = {
-    { "Sync_Interval", true, "the SYNC producer is not supported yet" },
-    { "NMT_Verify_Software", false, "the software check is not supported yet" },
-    { "NMT_Allow_Software_Update", false, "the software update is not supported yet" },
-    { "Software_Identification", false, "the software check is not supported yet" },
-    { "Software_File", false, "the software update is not supported yet" },
-    { "Verify_Configuration", false, "comparing before writing is not supported yet" },
+    { "NMT_Verify_Software", "the software check is not supported yet" },
+    { "NMT_Allow_Software_Update", "the software update is not supported yet" },
+    { "Software_Identification", "the software check is not supported yet" },
+    { "Software_File", "the software update is not supported yet" },
+    { "Verify_Configuration", "comparing before writing is not supported yet" },
 };
 
 /* The line of a valid element; 0: not there. */
@@ -28,12 +31,6 @@ static bool is_used(const struct element_table *table, const char *name, const v
     return element_is_used(element_find(table, name), base);
 }
 
-static bool is_refused(const struct not_yet *row, const struct element_table *table,
-                       const void *base)
-{
-    return row->even_default || is_used(table, row->element, base);
-}
-
 static void check_not_yet(const struct element_table *table, const struct element_lines *lines,
                           const void *base, struct faults *faults)
 {
@@ -41,7 +38,7 @@ static void check_not_yet(const struct element_table *table, const struct elemen
         const struct not_yet *row = &not_yet[i];
 
         if (element_find(table, row->element) && valid_line(table, lines, row->element) != 0 &&
-            is_refused(row, table, base))
+            is_used(table, row->element, base))
             faults_error(faults, CO_ERR_VALUE, valid_line(table, lines, row->element), "%s: %s",
                          row->element, row->text);
     }
@@ -156,11 +153,25 @@ static void check_manager_id(const struct network_config *config, const struct e
                      config->manager_node_id);
 }
 
+static void check_sync(const struct network_config *config, unsigned line, struct faults *faults)
+{
+    const struct od nothing = { .count = 0 };
+
+    if (line == 0)
+        return;
+    if ((config->sync_cob_id & NO_IDENTIFIER) != 0 ||
+        !slave_may_use(&nothing, config->sync_cob_id & ~SYNC_PRODUCER, true))
+        faults_error(faults, CO_ERR_VALUE, line,
+                     "Sync_Cob_Id: 0x%X belongs to other services, or is no identifier",
+                     (unsigned)config->sync_cob_id);
+    else if (!config->has_sync_interval)
+        faults_note(faults, CO_WARNING, line, "Sync_Cob_Id: has no effect without Sync_Interval");
+}
+
 void check_network(const struct network_config *config, const struct element_lines *lines,
                    struct unique_lines *unique, struct faults *faults)
 {
     const struct element_table *table = &network_elements;
-    unsigned cob_id = valid_line(table, lines, "Sync_Cob_Id");
 
     check_mandatory(table, lines, config->line, faults);
     check_unique("Net_No", config->net, valid_line(table, lines, "Net_No"), unique->nets, faults);
@@ -171,8 +182,7 @@ void check_network(const struct network_config *config, const struct element_lin
         check_priorities("Slave_Thread_Priorities", config->slave_priorities, 4,
                          valid_line(table, lines, "Slave_Thread_Priorities"), faults);
     }
-    if (cob_id != 0 && !config->has_sync_interval)
-        faults_note(faults, CO_WARNING, cob_id, "Sync_Cob_Id: has no effect without Sync_Interval");
+    check_sync(config, valid_line(table, lines, "Sync_Cob_Id"), faults);
     if (config->node_count == 0)
         faults_note(faults, CO_WARNING, config->line,
                     "Manager_Instance: without any Node_Instance there is nothing to manage");

@@ -309,14 +309,20 @@ static enum co_err take_device(struct network *self, struct device *device)
     return err;
 }
 
+/* What it listens to is about to be set; SYNC is new to us. */
+static void note_slave(struct device *device, const struct slave *slave)
+{
+    device->listen_seen = slave->listen_generation;
+    device->sync_seen = slave->sync_generation - 1;
+}
+
 enum co_err network_set_slave(struct network *self, uint8_t node, struct slave *slave)
 {
     struct device *device = network_device(self, node);
 
     if (slave) {
         device->since = self->now;
-        device->listen_seen = slave->listen_generation;
-        device->sync_seen = slave->sync_generation - 1; /* it is new to us */
+        note_slave(device, slave);
         slave_on_bus(slave, network_slave_bus(self->bus_state), self->now, &self->out);
     }
     device->slave = slave;
@@ -327,6 +333,8 @@ enum co_err network_set_manager(struct network *self, uint8_t node, struct manag
 {
     struct device *device = network_device(self, node);
 
+    if (manager)
+        note_slave(device, &manager->device);
     device->manager = manager;
     return take_device(self, device);
 }

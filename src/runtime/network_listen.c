@@ -49,17 +49,17 @@ static void add_slave(struct network *network, const struct slave *slave)
     }
 }
 
-/* And to the SDO requests to its own device, or to all, which are its own mostly. */
+/* And to what its own device does; to all SDO requests, where its own are to come back. */
 static void add_manager(struct network *self, const struct device *device)
 {
-    struct bus_filter requests = { SDO_REQUEST_ID + device->node, 0x7FF, 0,
-                                   CO_FRAME_EXT | CO_FRAME_RTR };
+    static const struct bus_filter requests = { SDO_REQUEST_ID, 0x780, 0,
+                                                CO_FRAME_EXT | CO_FRAME_RTR };
 
-    if (network_returns_requests(self))
-        requests = (struct bus_filter){ SDO_REQUEST_ID, 0x780, 0, CO_FRAME_EXT | CO_FRAME_RTR };
     for (size_t i = 0; i < sizeof of_manager / sizeof of_manager[0]; i++)
         add(&self->filters, &of_manager[i]);
-    add(&self->filters, &requests);
+    if (network_returns_requests(self))
+        add(&self->filters, &requests);
+    add_slave(self, &device->manager->device);
 }
 
 static void add_device(struct network *self, const struct device *device)
@@ -127,24 +127,29 @@ static enum co_err begin_cyclic(struct network *self, const struct slave_sync_pl
 }
 
 /* The kernel sends for one device, others do it themselves, and all where it cannot. */
-static void follow_sync(struct network *self, const struct device *device)
+static void follow_sync(struct network *self, const struct device *device, struct slave *slave)
 {
     struct slave_sync_plan plan;
     bool external = false;
 
-    slave_sync_plan(device->slave, &plan);
+    slave_sync_plan(slave, &plan);
     if (!plan.active) {
         end_cyclic(self, device);
     } else if (self->cyclic_node == 0 || self->cyclic_node == device->node) {
         external = begin_cyclic(self, &plan) == CO_OK;
         self->cyclic_node = external ? device->node : 0;
     }
-    slave_sync_external(device->slave, external);
+    slave_sync_external(slave, external);
+}
+
+static struct slave *slave_of(const struct device *device)
+{
+    return device->manager ? &device->manager->device : device->slave;
 }
 
 void network_follow(struct network *self, struct device *device)
 {
-    const struct slave *slave = device->slave;
+    const struct slave *slave = slave_of(device);
 
     if (!slave || slave->listen_generation == device->listen_seen)
         return;
@@ -154,12 +159,12 @@ void network_follow(struct network *self, struct device *device)
 
 void network_follow_sync(struct network *self, struct device *device)
 {
-    const struct slave *slave = device->slave;
+    struct slave *slave = slave_of(device);
 
     if (!slave || slave->sync_generation == device->sync_seen)
         return;
     device->sync_seen = slave->sync_generation;
-    follow_sync(self, device);
+    follow_sync(self, device, slave);
 }
 
 enum co_err network_forget(struct network *self, struct device *device)

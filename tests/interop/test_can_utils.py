@@ -86,6 +86,20 @@ class CanUtils(plant.PlantTest):
                          frames, "mcanopen dump and candump")
         plant.say(f"{len(frames)} frames, {values} values")
 
+    def test_sync(self):
+        """SYNC of the manager comes from its start on, without a gap"""
+        device, xml = self.write_small(Sync_Interval=20000, Sync_Cob_Id="0x90")
+        self.start_sim("--node", 5, device)
+        dump = self.dump()
+        boot = self.start_boot(xml)
+        boot.wait_for("network is up")
+        dump.wait_for("090#", times=dump.frames().count("090#") + 10)
+        self.assert_stopped(boot)
+        frames = dump.end()
+        self.assertLess(frames.index("090#"), frames.index("000#0105"))
+        self.assertNotIn("SYNC", boot.out.text())
+        plant.say(f"{frames.count('090#')} SYNCs")
+
     # ---- cansend ----
 
     def started(self, **values):

@@ -303,6 +303,37 @@ START_TEST(test_no_master)
 }
 END_TEST
 
+/* SYNC from the manager's boot-up on, in each of its states but STOPPED. */
+START_TEST(test_sync)
+{
+    struct plant *plant = run_plant("<Sync_Interval>20000</Sync_Interval>"
+                                    "<Sync_Cob_Id>0x90</Sync_Cob_Id>" PLANT_NODE(5, ""),
+                                    99);
+
+    ck_assert_uint_eq(plant_sent(plant, "090#"), 4);
+    ck_assert_uint_eq(time_of(plant, "090#", 0), 20);
+    ck_assert_uint_eq(time_of(plant, "090#", 3), 80);
+    plant_run_ms(plant, 911);
+    ck_assert_uint_eq(plant_sent(plant, "090#"), 50);
+    ck_assert_int_eq(plant_command(plant, NMT_STOP, 127), CO_OK);
+    plant_run_ms(plant, 200);
+    ck_assert_uint_eq(plant_sent(plant, "090#"), 50);
+    ck_assert_int_eq(plant_command(plant, NMT_START, 127), CO_OK);
+    plant_run_ms(plant, 100);
+    ck_assert_uint_ge(plant_sent(plant, "090#"), 54);
+    plant_free(plant);
+}
+END_TEST
+
+START_TEST(test_no_sync)
+{
+    struct plant *plant = run_plant("<Sync_Interval>0</Sync_Interval>" PLANT_NODE(5, ""), 1000);
+
+    ck_assert_uint_eq(plant_sent(plant, "080#"), 0);
+    plant_free(plant);
+}
+END_TEST
+
 START_TEST(test_no_master_not_operational)
 {
     struct plant *plant = run_plant("<NMT_Master>FALSE</NMT_Master>"
@@ -330,6 +361,8 @@ int main(void)
     tcase_add_test(tcase, test_no_boot_time);
     tcase_add_test(tcase, test_boot_time_of_optional);
     tcase_add_test(tcase, test_nobody);
+    tcase_add_test(tcase, test_sync);
+    tcase_add_test(tcase, test_no_sync);
     tcase_add_test(tcase, test_no_master);
     tcase_add_test(tcase, test_no_master_not_operational);
     return suite_run("network_boot", tcase);

@@ -10,7 +10,8 @@
 #define SYNC_ID 0x080u
 #define RESET   0x0000u
 
-#define LAST_EMCY_ID 0x0FFu
+#define LAST_EMCY_ID   0x0FFu
+#define HEARTBEAT_LOST 0x8130u
 
 static bool is_emcy(const struct sim_gate *gate, const struct co_frame *frame)
 {
@@ -45,6 +46,20 @@ static bool shorten_emcy(struct sim_gate *gate, struct defect_use *use, struct c
 static bool lose_emcy_code(struct sim_gate *gate, struct defect_use *use, struct co_frame *frame)
 {
     return !is_emcy(gate, frame) || get_le16(frame->data) != use->defect->number;
+}
+
+/* An error that is told at once, whatever the state. */
+static bool tell_in_stopped(struct sim_gate *gate, struct defect_use *use, struct co_frame *frame)
+{
+    struct co_frame emcy = co_frame_make(EMCY_ID + gate_view(gate)->node, 8);
+
+    (void)use;
+    if (gate_view(gate)->state == NMT_STOPPED && frame->id > NMT_ERROR_CONTROL_ID) {
+        put_le16(emcy.data, HEARTBEAT_LOST);
+        emcy.data[2] = 0x11;
+        gate_to_bus(gate, &emcy);
+    }
+    return true;
 }
 
 /* --- SYNC --- */
@@ -229,6 +244,17 @@ const struct sim_defect sim_defects_errors[] = {
       .last = 0x1015,
       .sub = 0,
       .text = "1015h is confirmed and has no effect" },
+    { .name = "emcy-stopped",
+      .family = "emcy",
+      .to_device = tell_in_stopped,
+      .text = "emergencies are sent in Stopped" },
+    { .name = "error-behaviour",
+      .family = "control",
+      .to_device = defect_swallow_write,
+      .first = 0x1029,
+      .last = 0x1029,
+      .sub = 1,
+      .text = "1029h is confirmed and has no effect" },
     { .name = "error-register",
       .family = "emcy",
       .from_device = defect_alter_value,

@@ -101,6 +101,8 @@ DEFECTS = {
     # what is confirmed and has no effect is not refused either
     "emcy-never-off": ("emcy,cob", "emcy-off cob-emcy"),
     "emcy-inhibit": ("emcy", "emcy-inhibit"),
+    "emcy-stopped": ("control,emcy", "heartbeat-watched-stopped"),
+    "error-behaviour": ("control", "heartbeat-behaviour guard-behaviour"),
     "error-register": ("emcy", "emcy-register-clear emcy-register emcy-gone"),
     "error-field": ("emcy,od", "emcy-history-clear od-limits"),
     "error-field-code": ("emcy", "emcy-history emcy-history-kept emcy-history-order"),
@@ -119,7 +121,7 @@ DEFECTS = {
                         "nmt-reset-node nmt-reset-communication nmt-preoperational nmt-all-nodes "
                         "nmt-other-node nmt-length nmt-unknown heartbeat-states "
                         "heartbeat-watched-lost heartbeat-behaviour guard-first guard-toggle "
-                        "guard-life"),
+                        "guard-life guard-behaviour"),
     "heartbeat-slow": (ALL, "heartbeat-period"),
     "heartbeat-unchanged": ("control,store-save",
                             "heartbeat-period heartbeat-off guard-heartbeat store-save"),
@@ -129,7 +131,7 @@ DEFECTS = {
     "guard-toggle": ("control", "guard-toggle guard-states"),
     "guard-others": ("control", "guard-others"),
     "guard-both": ("control", "guard-heartbeat"),
-    "guard-life": ("control", "guard-restored guard-life"),
+    "guard-life": ("control", "guard-restored guard-life guard-behaviour"),
 
     "cob-id-restricted": ("cob", "cob-sync cob-time cob-emcy"),
     "store-signature": ("store", "store-signature store-load-signature"),

@@ -168,6 +168,27 @@ static bool check_life(struct conform *self)
     return conform_expect_emcy(self, from, 0x0000, &at);
 }
 
+static bool check_behaviour(struct conform *self)
+{
+    static const uint8_t states[] = { STATE_PREOP, STATE_OPERATIONAL, STATE_STOPPED };
+
+    if (!conform_need_object(self, 0x1029))
+        return false;
+    for (uint8_t behaviour = 0; behaviour < sizeof states; behaviour++) {
+        size_t from, at;
+
+        if (!conform_set(self, 0x1029, 1, 1, behaviour) || !lose_guard(self, &from))
+            return false;
+        at = ask(self);
+        if (at == CONFORM_NOTHING || (conform_frame(self, at)->data[0] & 0x7F) != states[behaviour])
+            return conform_fail(self, "life guarding error, 1029h:01 is %u: expected %s", behaviour,
+                                conform_state_text(states[behaviour]));
+        if (!conform_reset(self, CONFORM_RESET_NODE))
+            return false;
+    }
+    return true;
+}
+
 /* --- guarding and heartbeat --- */
 
 static bool check_one(struct conform *self)
@@ -206,6 +227,8 @@ static const struct conform_check checks[] = {
       CONFORM_RESET, 0x100C, check_life_first },
     { "guard-life", "no request for the life time: EMCY 8130h; the next one: EMCY 0000h",
       "CiA 301, 7.2.8.2.2.1", CONFORM_RESET, 0x100C, check_life },
+    { "guard-behaviour", "1029h:01 decides on the state after a life guarding error",
+      "CiA 301, 7.5.2.29", CONFORM_RESET, 0x100C, check_behaviour },
     { "guard-heartbeat", "guarding is not answered while heartbeats are sent", "CiA 301, 7.2.8.2",
       CONFORM_RESET, 0x100C, check_one },
 };

@@ -184,6 +184,19 @@ static bool check_behaviour(struct conform *self)
     return true;
 }
 
+/* The error is told by the next emergency at the earliest when Stopped has been left. */
+static bool check_stopped(struct conform *self)
+{
+    size_t from;
+    uint32_t id;
+
+    if (!conform_emcy_id(self, &id) || !conform_set(self, 0x1016, 1, 4, watch(self, WATCHED / 2)))
+        return false;
+    from = conform_nmt(self, CONFORM_STOP);
+    send_heartbeat(self);
+    return conform_expect_none(self, from, id, WATCHED);
+}
+
 static const struct conform_check checks[] = {
     { "heartbeat-default", "heartbeat and life guarding are not both on after a reset",
       "CiA 301, 7.2.8.2", 0, 0x1017, check_default },
@@ -203,6 +216,8 @@ static const struct conform_check checks[] = {
       "CiA 301, 7.2.8.2.2.2", CONFORM_RESET, 0x1016, check_lost },
     { "heartbeat-watched-back", "the heartbeat is back: EMCY 0000h", "CiA 301, 7.2.7",
       CONFORM_RESET, 0x1016, check_back },
+    { "heartbeat-watched-stopped", "a heartbeat that is lost in Stopped: no emergency there",
+      "CiA 301, 7.3.2.2", CONFORM_RESET, 0x1016, check_stopped },
     { "heartbeat-behaviour", "1029h:01 decides on the state after an error", "CiA 301, 7.5.2.29",
       CONFORM_RESET, 0x1016, check_behaviour },
 };

@@ -407,6 +407,9 @@ START_TEST(the_managers_own_dictionary_answers)
     ck_assert_int_eq(mcanOpenReadSDO(0, 127, 0x1F80, 0, buffer, &len, NULL), MCANOPEN_OK);
     ck_assert_int_eq(len, 4);
     ck_assert_uint_eq(buffer[0] & 1, 1);
+    ck_assert_int_eq(mcanOpenReadSDO(0, 127, 0x1F80, TYP_BLOCK, buffer, &len, NULL), MCANOPEN_OK);
+    ck_assert_uint_eq(buffer[0] & 1, 1);
+    api_wire_wait(wire, "67F#A300", 1);
     ck_assert_int_eq(mcanOpenReadSDO(0, 127, 0x5000, 0, buffer, &len, &error), MCAL_ABORT_DOMAIN);
     expect_error(&error, 0x06020000);
     ck_assert_int_eq(mcanOpenWriteSDO(0, 127, 0x1017, 0, TYP_UINT16, "\x64\x00", 0, &error),

@@ -123,8 +123,9 @@ struct conform {
     struct bus *bus;
     int signals; /* a file descriptor */
     enum conform_end end;
-    char message[512]; /* why it ended */
-    unsigned lost;     /* frames that the tester was too slow for */
+    char message[512];   /* why it ended */
+    unsigned unanswered; /* SDO requests of the check, in a row */
+    unsigned lost;       /* frames that the tester was too slow for */
     /* the device */
     struct dcf eds;
     bool has_eds;

@@ -60,6 +60,7 @@ static void begin_trace(struct conform *self)
 {
     conform_mark(self);
     self->frame_count = 0;
+    self->unanswered = 0;
     self->begin = clock_now();
     self->verdict = CONFORM_PASS;
     self->reason[0] = '\0';

@@ -5,6 +5,9 @@
 
 #include <string.h>
 
+#define UNANSWERED_AT_MOST 5u
+#define IMPATIENT          10u /* ms */
+
 void conform_request(uint8_t request[8], uint8_t command, uint16_t index, uint8_t sub)
 {
     memset(request, 0, 8);
@@ -13,15 +16,25 @@ void conform_request(uint8_t request[8], uint8_t command, uint16_t index, uint8_
     request[3] = sub;
 }
 
+/* A device that has died in the middle of a long check is not waited for each time. */
+static unsigned patience(const struct conform *self)
+{
+    const unsigned ms = self->options.sdo_timeout;
+
+    return self->unanswered >= UNANSWERED_AT_MOST && ms > IMPATIENT ? IMPATIENT : ms;
+}
+
 bool conform_exchange(struct conform *self, const uint8_t request[8], uint8_t ret_answer[8])
 {
     const size_t from = conform_send_data(self, 0x600u + self->options.node, request, 8);
-    const size_t at = conform_await(self, from, 0x580u + self->options.node,
-                                    self->options.sdo_timeout);
+    const size_t at = conform_await(self, from, 0x580u + self->options.node, patience(self));
 
     memset(ret_answer, 0, 8);
-    if (at == CONFORM_NOTHING)
+    if (at == CONFORM_NOTHING) {
+        self->unanswered++;
         return false;
+    }
+    self->unanswered = 0;
     memcpy(ret_answer, conform_frame(self, at)->data, 8);
     return true;
 }

@@ -96,7 +96,10 @@ bool network_returns_requests(const struct network *self);
 /* network_listen.c */
 /* The bus lets through what the devices listen to. */
 enum co_err network_listen(struct network *self);
-/* Answers to what the device has put out may be frames that did not come in before. */
+/*
+ * Answers to what the device has put out may be frames that did not come in before; and no SYNC of
+ * the kernel's comes behind the answer that it has ended.
+ */
 void network_follow(struct network *self, struct device *device);
 /* A SYNC that the kernel sends begins behind what the device has put out: its boot-up message. */
 void network_follow_sync(struct network *self, struct device *device);

@@ -151,10 +151,14 @@ void network_follow(struct network *self, struct device *device)
 {
     const struct slave *slave = slave_of(device);
 
-    if (!slave || slave->listen_generation == device->listen_seen)
+    if (!slave)
         return;
-    device->listen_seen = slave->listen_generation;
-    network_listen(self);
+    if (slave->sync_generation != device->sync_seen)
+        end_cyclic(self, device);
+    if (slave->listen_generation != device->listen_seen) {
+        device->listen_seen = slave->listen_generation;
+        network_listen(self);
+    }
 }
 
 void network_follow_sync(struct network *self, struct device *device)

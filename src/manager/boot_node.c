@@ -43,7 +43,6 @@ void boot_node_enter(struct boot_node *self, enum boot_step step, struct co_outb
 {
     self->step = (uint8_t)step;
     self->deadline = CO_NEVER;
-    self->tries = 0;
     if (step == BOOT_DEVICE_TYPE && self->told.letter == 'B')
         return; /* an absent node is asked each second: not news */
     boot_node_put_event(
@@ -125,16 +124,22 @@ void boot_node_want(struct boot_node *self, const struct sdo_transfer *transfer)
     self->request_due = true;
 }
 
-void boot_node_read(struct boot_node *self, uint16_t index, uint8_t sub)
+void boot_node_read_into(struct boot_node *self, uint16_t index, uint8_t sub, uint8_t *buffer,
+                         uint32_t size)
 {
     struct sdo_transfer transfer = { .index = index,
                                      .sub = sub,
-                                     .buffer = self->value,
-                                     .size = sizeof self->value,
+                                     .buffer = buffer,
+                                     .size = size,
                                      .timeout = CO_MS(self->config->sdo_timeout) };
 
-    self->tries++;
+    self->tries = 1;
     boot_node_want(self, &transfer);
+}
+
+void boot_node_read(struct boot_node *self, uint16_t index, uint8_t sub)
+{
+    boot_node_read_into(self, index, sub, self->value, sizeof self->value);
 }
 
 /* --- the steps, last one first: each goes on to the next when it has nothing to do --- */
@@ -193,7 +198,6 @@ static void read_identity_from(struct boot_node *self, uint8_t sub, co_us_t now,
     if (self->step != BOOT_IDENTITY)
         boot_node_enter(self, BOOT_IDENTITY, out);
     self->part = sub;
-    self->tries = 0;
     boot_node_read(self, 0x1018, sub);
 }
 
@@ -288,8 +292,8 @@ static void (*const on_answer[])(struct boot_node *self, bool ok, co_us_t now,
     [BOOT_DEVICE_TYPE] = on_device_type,
     [BOOT_IDENTITY] = on_identity,
     [BOOT_CHECK_CONFIGURATION] = configure_node_on_check,
-    [BOOT_CONFIGURE] = configure_node_on_written,
-    [BOOT_SAVE] = configure_node_on_written,
+    [BOOT_CONFIGURE] = configure_node_on_done,
+    [BOOT_SAVE] = configure_node_on_done,
 };
 
 void boot_node_on_sdo(struct boot_node *self, co_us_t now, struct co_outbox *out)
@@ -299,7 +303,8 @@ void boot_node_on_sdo(struct boot_node *self, co_us_t now, struct co_outbox *out
     self->request.state = REQUEST_IDLE;
     if (!self->request.transfer.download && result->detail == SDO_OUTCOME_NO_ANSWER &&
         self->tries < BOOT_READ_TRIES) {
-        boot_node_read(self, result->index, result->sub);
+        self->tries++;
+        self->request_due = true;
         return;
     }
     if (self->step < sizeof on_answer / sizeof on_answer[0] && on_answer[self->step])

@@ -27,6 +27,7 @@
 #include "manager/network_config.h"
 #include "manager/sdo_channel.h"
 #include "manager/supervision.h"
+#include "manager/verify.h"
 #include "proto/nmt.h"
 
 #define BOOT_READ_TRIES     3u           /* of a read that gets no answer */
@@ -81,8 +82,11 @@ struct boot_node {
     uint8_t part;     /* IDENTITY, CHECK_CONFIGURATION: sub-index being read */
     uint8_t value[8]; /* what a read brings, what "save" writes */
     struct ccf_reader reader;
-    struct ccf_entry entry; /* being written */
+    struct ccf_entry entry; /* being written, or compared before */
     uint32_t entry_number;
+    uint32_t written; /* entries, where they are compared before */
+    bool unsaved;     /* it was written to since it has saved its configuration last */
+    struct verify verify;
     struct supervision supervision;
 };
 

@@ -12,6 +12,9 @@ void boot_node_put_event(const struct boot_node *self, struct co_event event,
                          struct co_outbox *out);
 void boot_node_want(struct boot_node *self, const struct sdo_transfer *transfer);
 void boot_node_read(struct boot_node *self, uint16_t index, uint8_t sub);
+/* Where the value may have more than 8 bytes. */
+void boot_node_read_into(struct boot_node *self, uint16_t index, uint8_t sub, uint8_t *buffer,
+                         uint32_t size);
 /* What the last read has brought; the event for it. */
 uint32_t boot_node_number_read(const struct boot_node *self);
 void boot_node_tell_read(const struct boot_node *self, struct co_outbox *out);
@@ -22,6 +25,6 @@ void boot_node_enter_error_control(struct boot_node *self, co_us_t now, struct c
 /* configure_node.c: CHECK_CONFIGURATION, CONFIGURE and SAVE (CiA 302-3); on to error control */
 void configure_node_enter(struct boot_node *self, co_us_t now, struct co_outbox *out);
 void configure_node_on_check(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out);
-void configure_node_on_written(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out);
+void configure_node_on_done(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out);
 
 #endif

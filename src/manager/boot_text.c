@@ -208,6 +208,9 @@ static bool add_step(struct text *text, const struct node_config *node,
 
     if (step == BOOT_RESET)
         add(text, "reset, boot delay %u ms", node->boot_delay);
+    else if (step == BOOT_CONFIGURE && node->verify_configuration)
+        add(text, "compares its configuration: %u entr%s of %s", (unsigned)event->actual,
+            event->actual == 1 ? "y" : "ies", file_of(node));
     else if (step == BOOT_CONFIGURE)
         add(text, "configures it: %u entr%s of %s", (unsigned)event->actual,
             event->actual == 1 ? "y" : "ies", file_of(node));
@@ -240,6 +243,30 @@ static const char *fixed_text(const struct co_event *event)
     }
 }
 
+static void add_compared(struct text *text, const struct co_event *event)
+{
+    if (event->actual == 0)
+        add(text, "is configured already (entries compared: %u)", (unsigned)event->expected);
+    else
+        add(text, "entries written: %u of %u, the others were there", (unsigned)event->actual,
+            (unsigned)event->expected);
+}
+
+/* How a boot goes on. */
+static bool add_progress(struct text *text, const struct node_config *node,
+                         const struct co_event *event)
+{
+    switch (event->type) {
+    case MANAGER_NODE_STEP: return node && add_step(text, node, event);
+    case MANAGER_NODE_COMPARED: add_compared(text, event); return true;
+    case MANAGER_NODE_READ:
+        add_object(text, event->index, event->sub);
+        add(text, " is %08Xh", (unsigned)event->actual);
+        return true;
+    default: return false;
+    }
+}
+
 static bool add_good_news(struct text *text, const struct node_config *node,
                           const struct co_event *event)
 {
@@ -248,11 +275,6 @@ static bool add_good_news(struct text *text, const struct node_config *node,
         return true;
     }
     switch (event->type) {
-    case MANAGER_NODE_STEP: return node && add_step(text, node, event);
-    case MANAGER_NODE_READ:
-        add_object(text, event->index, event->sub);
-        add(text, " is %08Xh", (unsigned)event->actual);
-        return true;
     case MANAGER_STATE:
     case MANAGER_NODE_STATE: add(text, "is %s", nmt_state_text(event->detail)); return true;
     case MANAGER_NODE_BACK:
@@ -262,7 +284,7 @@ static bool add_good_news(struct text *text, const struct node_config *node,
     case MANAGER_NODE_BOOT_UP:
         add(text, "boot-up message%s", event->actual ? "" : " of a node that is not configured");
         return true;
-    default: return false;
+    default: return add_progress(text, node, event);
     }
 }
 

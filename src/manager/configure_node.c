@@ -39,7 +39,8 @@ static void enter_save(struct boot_node *self, co_us_t now, struct co_outbox *ou
         .index = 0x1010, .sub = 1, .size = sizeof save_signature, .value = save_signature
     };
 
-    if (!self->config->save_configuration) {
+    if (!self->config->save_configuration ||
+        (self->config->verify_configuration && !self->unsaved)) {
         boot_node_enter_error_control(self, now, out);
         return;
     }
@@ -47,26 +48,59 @@ static void enter_save(struct boot_node *self, co_us_t now, struct co_outbox *ou
     write_object(self, &save);
 }
 
-static void write_next_entry(struct boot_node *self, co_us_t now, struct co_outbox *out)
+static void end_configure(struct boot_node *self, co_us_t now, struct co_outbox *out)
 {
-    if (!ccf_read(&self->reader, &self->entry)) {
-        enter_save(self, now, out);
-        return;
+    if (self->config->verify_configuration)
+        boot_node_put_event(self,
+                            (struct co_event){ .type = MANAGER_NODE_COMPARED,
+                                               .expected = self->entry_number,
+                                               .actual = self->written },
+                            out);
+    enter_save(self, now, out);
+}
+
+/* True if there is something to wait for. */
+static bool follow(struct boot_node *self, enum verify_order order)
+{
+    const struct ccf_entry *wanted = &self->verify.wanted;
+
+    if (order == VERIFY_READ) {
+        boot_node_read_into(self, wanted->index, wanted->sub, self->verify.value, VERIFY_SIZE);
+    } else if (order == VERIFY_WRITE) {
+        self->written++;
+        self->unsaved = true;
+        write_object(self, &self->entry);
     }
-    self->entry_number++;
-    write_object(self, &self->entry);
+    return order != VERIFY_SKIP;
+}
+
+static void do_next_entry(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    enum verify_order order;
+
+    do {
+        if (!ccf_read(&self->reader, &self->entry)) {
+            end_configure(self, now, out);
+            return;
+        }
+        self->entry_number++;
+        order = self->config->verify_configuration ? verify_on_entry(&self->verify, &self->entry)
+                                                   : VERIFY_WRITE;
+    } while (!follow(self, order));
 }
 
 static void enter_configure(struct boot_node *self, co_us_t now, struct co_outbox *out)
 {
     ccf_reader_init(&self->reader, &self->config->ccf);
     self->entry_number = 0;
+    self->written = 0;
     if (self->reader.left == 0) {
         boot_node_enter_error_control(self, now, out);
         return;
     }
     boot_node_enter(self, BOOT_CONFIGURE, out);
-    write_next_entry(self, now, out);
+    verify_begin(&self->verify, &self->config->ccf);
+    do_next_entry(self, now, out);
 }
 
 /*
@@ -108,7 +142,6 @@ void configure_node_on_check(struct boot_node *self, bool ok, co_us_t now, struc
     }
     if (self->part == 1) {
         self->part = 2;
-        self->tries = 0;
         boot_node_read(self, 0x1020, self->part);
         return;
     }
@@ -116,12 +149,28 @@ void configure_node_on_check(struct boot_node *self, bool ok, co_us_t now, struc
     boot_node_enter_error_control(self, now, out);
 }
 
-void configure_node_on_written(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out)
+static void on_compared(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out)
 {
-    if (!ok)
+    size_t size = (size_t)self->request.result.actual;
+
+    if (!follow(self, verify_on_value(&self->verify, ok, size)))
+        do_next_entry(self, now, out);
+}
+
+static void on_saved(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    self->unsaved = false;
+    boot_node_enter_error_control(self, now, out);
+}
+
+void configure_node_on_done(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out)
+{
+    if (!self->request.transfer.download)
+        on_compared(self, ok, now, out);
+    else if (!ok)
         boot_node_fail_request(self, 'J', now, out);
     else if (self->step == BOOT_CONFIGURE)
-        write_next_entry(self, now, out);
+        do_next_entry(self, now, out);
     else
-        boot_node_enter_error_control(self, now, out);
+        on_saved(self, now, out);
 }

@@ -16,7 +16,6 @@ static const struct not_yet {
     { "NMT_Allow_Software_Update", "the software update is not supported yet" },
     { "Software_Identification", "the software check is not supported yet" },
     { "Software_File", "the software update is not supported yet" },
-    { "Verify_Configuration", "comparing before writing is not supported yet" },
 };
 
 /* The line of a valid element; 0: not there. */

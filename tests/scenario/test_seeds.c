@@ -46,7 +46,8 @@ static unsigned random_below(struct chaos *chaos, unsigned limit)
 
 static void add_node_xml(struct chaos *chaos, FILE *xml, unsigned id)
 {
-    static const char *const flags[] = { "NMT_Mandatory_Slave", "NMT_Reset_Node" };
+    static const char *const flags[] = { "NMT_Mandatory_Slave", "NMT_Reset_Node",
+                                         "Verify_Configuration" };
 
     fprintf(xml, "<Node_Instance><Node_Id>%u</Node_Id>", id);
     for (size_t i = 0; i < sizeof flags / sizeof flags[0]; i++)

@@ -179,8 +179,9 @@ enum {
 };
 /* with PARA_WRITE, para.write */
 enum {
-    MCANOPEN_MSG_CONFIGURATION_ABORTED = 1, /* a node refused a value of its configuration */
-    MCANOPEN_MSG_BOOT_READ_ABORTED = 2      /* a node refused a read that its boot needs */
+    MCANOPEN_MSG_CONFIGURATION_ABORTED = 1,  /* a node refused a value of its configuration */
+    MCANOPEN_MSG_BOOT_READ_ABORTED = 2,      /* a node refused a read that its boot needs */
+    MCANOPEN_MSG_SOFTWARE_UPDATE_ABORTED = 3 /* a node refused what its software update needs */
 };
 /* with PARA_STR, para.str */
 enum {
@@ -420,11 +421,13 @@ enum {
     MCANOPEN_STEP_CONFIGURE = 5,
     MCANOPEN_STEP_SAVE = 6, /* 1010h */
     MCANOPEN_STEP_ERROR_CONTROL = 7,
-    MCANOPEN_STEP_READY = 8,       /* booted, waits for its start */
-    MCANOPEN_STEP_STARTED = 9,     /* booted and started */
-    MCANOPEN_STEP_RETRY = 10,      /* waits to try again */
-    MCANOPEN_STEP_FAILED = 11,     /* will not try again by itself */
-    MCANOPEN_STEP_CHECK_STATE = 12 /* between IDENTITY and CHECK_CONFIGURATION: is it running? */
+    MCANOPEN_STEP_READY = 8,        /* booted, waits for its start */
+    MCANOPEN_STEP_STARTED = 9,      /* booted and started */
+    MCANOPEN_STEP_RETRY = 10,       /* waits to try again */
+    MCANOPEN_STEP_FAILED = 11,      /* will not try again by itself */
+    MCANOPEN_STEP_CHECK_STATE = 12, /* between IDENTITY and CHECK_CONFIGURATION: is it running? */
+    MCANOPEN_STEP_CHECK_SOFTWARE = 13, /* behind that; 1F56h */
+    MCANOPEN_STEP_UPDATE_SOFTWARE = 14
 };
 
 /* How the boot of a node goes or went. */

@@ -20,6 +20,8 @@ static void set_up(void)
     plant = api_plant_new();
     wire = api_wire_open(plant->bus);
     api_add_device(plant, 5);
+    ck_assert_int_eq(od_add_number(&plant->devices[5].od, 0x1F56, 1, OD_UNSIGNED32, OD_RO, 0x11),
+                     CO_OK);
     api_devices_start(plant);
 }
 
@@ -93,6 +95,31 @@ START_TEST(a_failure_comes_as_letter_abort_and_text)
     ck_assert_uint_eq((unsigned long)event.event, API_EVENT(PARA_STR, MCANOPEN_MSG_TEXT));
     ck_assert_uint_eq(strlen(event.para.str), sizeof event.para.str - 1); /* cut to fit */
     ck_assert_ptr_nonnull(strstr(event.para.str, "boot error M: read 1018h:02"));
+}
+END_TEST
+
+/* The device has 1F56h and no program download. */
+START_TEST(an_update_that_is_refused)
+{
+    EVENT_T event;
+
+    api_write(plant, "p.bin", "program");
+    ck_assert_int_eq(mcanOpenInitialize(), MCANOPEN_OK);
+    ck_assert_int_eq(
+        api_config(plant, API_NODE_WITH(5, "<NMT_Verify_Software>TRUE</NMT_Verify_Software>"
+                                           "<Software_Identification>2</Software_Identification>"
+                                           "<NMT_Allow_Software_Update>TRUE"
+                                           "</NMT_Allow_Software_Update>"
+                                           "<Software_File>p.bin</Software_File>")),
+        MCANOPEN_OK);
+    mcanOpenStart();
+    event = api_wait_event(API_EVENT(PARA_C, MCANOPEN_MSG_BOOT_ERROR), 5);
+    ck_assert_int_eq(event.para.c, 'I');
+    event = api_wait_event(API_EVENT(PARA_WRITE, MCANOPEN_MSG_SOFTWARE_UPDATE_ABORTED), 5);
+    ck_assert_uint_eq(event.para.write.index, 0x1F51);
+    ck_assert_uint_eq(event.para.write.subindex, 1);
+    api_wait_log(plant,
+                 "boot error I: stop its program, 1F51h:01: the node answers abort 06020000");
 }
 END_TEST
 
@@ -264,6 +291,7 @@ int main(void)
     tcase_add_test(tests, wrong_arguments);
     tcase_add_test(tests, the_events_of_a_boot);
     tcase_add_test(tests, a_failure_comes_as_letter_abort_and_text);
+    tcase_add_test(tests, an_update_that_is_refused);
     tcase_add_test(tests, emergencies_and_boot_ups);
     tcase_add_test(tests, a_heartbeat_is_lost_and_comes_back);
     tcase_add_test(tests, the_boot_time_is_over);

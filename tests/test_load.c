@@ -227,6 +227,45 @@ START_TEST(the_name_of_a_bus)
 }
 END_TEST
 
+#define SOFTWARE(name) NODE(5, "<Software_File>" name "</Software_File>")
+
+static void expect_no_software(const char *xml, const char *message)
+{
+    ck_assert_int_eq(load(xml), CANOPEN_DCF_INIT_ERROR);
+    ck_assert_ptr_nonnull(strstr(messages.text, message));
+    ck_assert_ptr_null(networks);
+}
+
+/* As it is, from where a DCF would come. */
+START_TEST(software_is_in_memory)
+{
+    const struct node_config *node;
+
+    ck_assert_int_eq(mkdir("r", 0700), 0);
+    write_bytes("r/p.bin", "\0\xFF\0", 3);
+    ck_assert_int_eq(load(XML("<Config_File_Repository>r</Config_File_Repository>\n" NODE(
+                         5, "<DCF_File>a.dcf</DCF_File><Software_File>p.bin</Software_File>"))),
+                     CANOPEN_DCF_INIT_ERROR);
+    write_text("a.dcf", DCF_OF("0x33"));
+    ck_assert_int_eq(load(XML("<Config_File_Repository>r</Config_File_Repository>\n" NODE(
+                         5, "<DCF_File>a.dcf</DCF_File><Software_File>p.bin</Software_File>"))),
+                     MCANOPEN_OK);
+    node = &networks[0].nodes[0];
+    ck_assert_uint_eq(node->software_size, 3);
+    ck_assert_mem_eq(node->software, "\0\xFF\0", 3);
+    ck_assert_uint_eq(value_of(0), 0x33);
+}
+END_TEST
+
+START_TEST(software_that_is_not_there)
+{
+    write_text("empty.bin", "");
+    expect_no_software(XML(SOFTWARE("p.bin")), "xml:2: error: Software_File: p.bin: no such file");
+    expect_no_software(XML(SOFTWARE("empty.bin")),
+                       "xml:2: error: Software_File: empty.bin: the file is empty");
+}
+END_TEST
+
 #define ROWS(table) (int)(sizeof(table) / sizeof *(table))
 
 int main(void)
@@ -242,6 +281,8 @@ int main(void)
     tcase_add_loop_test(tests, a_download_file_outside_is_refused, 0, ROWS(outside));
     tcase_add_test(tests, errors_of_all_files_are_told);
     tcase_add_test(tests, one_dcf_alone);
+    tcase_add_test(tests, software_is_in_memory);
+    tcase_add_test(tests, software_that_is_not_there);
     tcase_add_loop_test(tests, the_name_of_a_bus, 0, ROWS(names));
     return suite_run("load", tests);
 }

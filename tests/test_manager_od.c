@@ -177,6 +177,16 @@ START_TEST(test_identity)
 }
 END_TEST
 
+START_TEST(test_software)
+{
+    ck_assert_uint_eq(filled(0x1F55, 0), MISSING);
+    nodes[0].software_identification = 0x22;
+    ck_assert_uint_eq(filled(0x1F55, 0), 127);
+    ck_assert_uint_eq(filled(0x1F55, 5), 0x22);
+    ck_assert_uint_eq(filled(0x1F55, 4), 0);
+}
+END_TEST
+
 START_TEST(test_configuration_date)
 {
     nodes[0].configuration_date = 9000;
@@ -212,6 +222,7 @@ int main(void)
     tcase_add_test(objects, test_sync);
     tcase_add_test(objects, test_identity);
     tcase_add_test(objects, test_configuration_date);
+    tcase_add_test(objects, test_software);
     tcase_add_test(objects, test_twice);
     suite_add_tcase(suite, objects);
     srunner_run_all(runner, CK_NORMAL);

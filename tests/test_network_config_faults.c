@@ -130,19 +130,6 @@ static const struct fault {
       "7: error: Boot_Time: 9 is out of range 0 or 100..65535\n",
       CO_ERR_VALUE, CO_ERR_ARG },
 
-    /* services whose turn has not come */
-    { NODE("<NMT_Verify_Software>TRUE</NMT_Verify_Software>\n"),
-      "7: error: NMT_Verify_Software: the software check is not supported yet\n", CO_ERR_VALUE,
-      CO_ERR_VALUE },
-    { NODE("<NMT_Allow_Software_Update>TRUE</NMT_Allow_Software_Update>\n"),
-      "7: error: NMT_Allow_Software_Update: the software update is not supported yet\n",
-      CO_ERR_VALUE, CO_ERR_VALUE },
-    { NODE("<Software_Identification>1</Software_Identification>\n"),
-      "7: error: Software_Identification: the software check is not supported yet\n", CO_ERR_VALUE,
-      CO_ERR_VALUE },
-    { NODE("<Software_File>a.bin</Software_File>\n"),
-      "7: error: Software_File: the software update is not supported yet\n", CO_ERR_VALUE,
-      CO_ERR_VALUE },
     { NET("<Sync_Interval>1000</Sync_Interval>\n<Sync_Cob_Id>0x705</Sync_Cob_Id>\n" ONE),
       "6: error: Sync_Cob_Id: 0x705 belongs to other services, or is no identifier\n", CO_ERR_VALUE,
       CO_ERR_VALUE },
@@ -179,6 +166,10 @@ START_TEST(test_faults)
 }
 END_TEST
 
+#define CHECKED                                                                                    \
+    "<NMT_Verify_Software>TRUE</NMT_Verify_Software>"                                              \
+    "<Software_Identification>1</Software_Identification>\n"
+
 static const struct note { /* accepted, with a word about it */
     const char *text, *messages;
     unsigned warnings;
@@ -197,6 +188,24 @@ static const struct note { /* accepted, with a word about it */
     { NODE("<Guard_Time>9</Guard_Time>\n"), "", 0 },
     { NODE("<Life_Time_Factor>9</Life_Time_Factor>\n"), "", 0 },
     { NODE("<CCF_File>a</CCF_File><Old_Config_Style>FALSE</Old_Config_Style>\n"), "", 0 },
+    { NODE("<NMT_Verify_Software>TRUE</NMT_Verify_Software>\n"),
+      "7: warning: NMT_Verify_Software: without Software_Identification the node does not boot "
+      "(boot error G)\n",
+      1 },
+    { NODE("<NMT_Allow_Software_Update>TRUE</NMT_Allow_Software_Update>\n"),
+      "7: warning: NMT_Allow_Software_Update: has no effect without NMT_Verify_Software\n", 1 },
+    { NODE(CHECKED "<NMT_Allow_Software_Update>TRUE</NMT_Allow_Software_Update>\n"),
+      "8: warning: NMT_Allow_Software_Update: there is no Software_File to update it with\n", 1 },
+    { NODE(CHECKED "<NMT_Allow_Software_Update>TRUE</NMT_Allow_Software_Update>\n"
+                   "<Software_File>a</Software_File><NMT_Check_Nodestate>TRUE</NMT_Check_Nodestate>"
+                   "<Consumer_Heartbeat_Time>9</Consumer_Heartbeat_Time>\n"),
+      "8: warning: NMT_Allow_Software_Update: has no effect on a node with NMT_Check_Nodestate\n",
+      1 },
+    { NODE(CHECKED "<Software_File>a</Software_File>\n"),
+      "8: warning: Software_File: has no effect without NMT_Allow_Software_Update\n", 1 },
+    { NODE(CHECKED "<Software_File>a</Software_File>"
+                   "<NMT_Allow_Software_Update>TRUE</NMT_Allow_Software_Update>\n"),
+      "", 0 },
     { NODE("<NMT_Slave> true </NMT_Slave>\n"), "7: warning: NMT_Slave: 'true' is taken as TRUE\n",
       1 },
 };

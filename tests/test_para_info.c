@@ -46,7 +46,7 @@ START_TEST(known_messages_are_at_their_numbers)
         { uiParaInfo, 0, 0 },
         { lParaInfo, 0, 0 },
         { ulParaInfo, MCANOPEN_MSG_FRAMES_UNSENT, 0 },
-        { writeParaInfo, MCANOPEN_MSG_BOOT_READ_ABORTED, 0 },
+        { writeParaInfo, MCANOPEN_MSG_SOFTWARE_UPDATE_ABORTED, 0 },
         { strParaInfo, MCANOPEN_MSG_TEXT, 0 },
     };
 
@@ -133,6 +133,10 @@ static const struct {
             .write = { 0xFFFF, 0xFF, { 0xFF, 0xFF, 0xFF, 0xFF } }),
       "Net: 1 Node: 5 read during boot aborted at FFFFh:FF, abort code FFFFFFFFh"
       " (unknown abort code)" },
+    { EVENT(PARA_WRITE, MCANOPEN_MSG_SOFTWARE_UPDATE_ABORTED,
+            .write = { 0x1F51, 1, { 6, 6, 0, 0 } }),
+      "Net: 1 Node: 5 software update aborted at 1F51h:01, abort code 06060000h"
+      " (access failed because of a hardware error)" },
     { EVENT(PARA_STR | NOD_NOT_VAL, MCANOPEN_MSG_TEXT, .str = "two\nlines"),
       "Net: 1 message: two lines" },
 };

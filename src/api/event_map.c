@@ -57,12 +57,20 @@ static unsigned put_text(EVENT_T *event, const struct network_config *config,
     return 1;
 }
 
+static unsigned aborted(char letter)
+{
+    switch (letter) {
+    case 'J': return MCANOPEN_MSG_CONFIGURATION_ABORTED;
+    case 'I': return MCANOPEN_MSG_SOFTWARE_UPDATE_ABORTED;
+    default: return MCANOPEN_MSG_BOOT_READ_ABORTED;
+    }
+}
+
 /* The letter, what the node aborted where it did, and the text. */
 static unsigned put_failure(EVENT_T *events, const struct network_config *config,
                             const struct co_event *from)
 {
     struct boot_failure failure = boot_failure_of(from);
-    bool configuring = failure.letter == 'J';
     unsigned count = 1;
 
     events[0] = make(config, from->node, PARA_C, MCANOPEN_MSG_BOOT_ERROR);
@@ -70,9 +78,7 @@ static unsigned put_failure(EVENT_T *events, const struct network_config *config
     if (failure.outcome == SDO_OUTCOME_ABORTED) {
         EVENT_T *event = &events[count++];
 
-        *event = make(config, from->node, PARA_WRITE,
-                      configuring ? MCANOPEN_MSG_CONFIGURATION_ABORTED
-                                  : MCANOPEN_MSG_BOOT_READ_ABORTED);
+        *event = make(config, from->node, PARA_WRITE, aborted(failure.letter));
         event->para.write.index = failure.index;
         event->para.write.subindex = failure.sub;
         error_set(&event->para.write.err, failure.abort_code);

@@ -195,7 +195,48 @@ static void check_date(const struct loader *self)
     add_up(self->xml_report, &own);
 }
 
-static int load_node(struct loader *self)
+static int refuse_software(const struct loader *self, const char *path, const char *text)
+{
+    struct co_report own = report_for(self->xml_report, self->xml_path);
+
+    co_report_add(&own, CO_ERROR, self->node->software_line, "Software_File: %s: %s", path, text);
+    add_up(self->xml_report, &own);
+    return CANOPEN_DCF_INIT_ERROR;
+}
+
+static int read_software(const struct loader *self, const char *path)
+{
+    char *bytes = NULL;
+    size_t size;
+    enum co_err err = file_read(path, &bytes, &size);
+
+    if (err != CO_OK)
+        return refuse_software(self, path, file_error_text(err));
+    if (size == 0) {
+        free(bytes);
+        return refuse_software(self, path, "the file is empty");
+    }
+    self->node->software = (uint8_t *)bytes;
+    self->node->software_size = (uint32_t)size;
+    return MCANOPEN_OK;
+}
+
+/* The program of the device. */
+static int load_software(const struct loader *self)
+{
+    char *path = NULL;
+    int result;
+
+    if (!self->node->software_file)
+        return MCANOPEN_OK;
+    if (file_find(self->config, self->xml_path, self->node->software_file, &path) != CO_OK)
+        return MCAL_OBJ_NO_MEMORY;
+    result = read_software(self, path);
+    free(path);
+    return result;
+}
+
+static int load_configuration(struct loader *self)
 {
     const char *name = self->node->dcf_file ? self->node->dcf_file : self->node->ccf_file;
     char *path = NULL;
@@ -210,6 +251,14 @@ static int load_node(struct loader *self)
         check_date(self);
     free(path);
     return result;
+}
+
+static int load_node(struct loader *self)
+{
+    int configuration = load_configuration(self);
+    int software = load_software(self);
+
+    return configuration != MCANOPEN_OK ? configuration : software;
 }
 
 /* All nodes are looked at; the first error counts. */

@@ -57,7 +57,8 @@ const char *const ulParaInfo[PARA_INFO_SIZE] = {
 const char *const writeParaInfo[PARA_INFO_SIZE] = {
     NONE_1 "configuration aborted at", /* MCANOPEN_MSG_CONFIGURATION_ABORTED */
     "read during boot aborted at",     /* MCANOPEN_MSG_BOOT_READ_ABORTED */
-    NONE_248 NONE_4 NONE_1
+    "software update aborted at",      /* MCANOPEN_MSG_SOFTWARE_UPDATE_ABORTED */
+    NONE_248 NONE_4
 };
 
 const char *const strParaInfo[PARA_INFO_SIZE] = { NONE_1 "message:", /* MCANOPEN_MSG_TEXT */

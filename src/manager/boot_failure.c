@@ -30,7 +30,8 @@ static bool is_garbled(const struct boot_failure *self)
  */
 bool boot_failure_is_worth_a_retry(const struct boot_failure *self, unsigned attempts)
 {
-    if (self->outcome == SDO_OUTCOME_NO_ANSWER || self->outcome == SDO_OUTCOME_NOT_SENT)
+    if (self->outcome == SDO_OUTCOME_NO_ANSWER || self->outcome == SDO_OUTCOME_NOT_SENT ||
+        self->outcome == SDO_OUTCOME_CANCELLED)
         return true;
     if (self->letter == 'B' || (is_garbled(self) && attempts < GARBLED_ATTEMPTS))
         return true;

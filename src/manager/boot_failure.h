@@ -12,14 +12,17 @@
 
 /* Why the last attempt failed: kept until the node has booted. */
 struct boot_failure {
-    char letter;     /* CiA 302-2 status B..O; 0: none */
-    uint8_t step;    /* enum boot_step */
-    uint8_t outcome; /* enum sdo_outcome; SDO_OUTCOME_OK: a value that differs, or no heartbeat */
+    char letter;  /* CiA 302-2 status B..O; 0: none */
+    uint8_t step; /* enum boot_step */
+    /* enum sdo_outcome; SDO_OUTCOME_OK: a value that differs, or no heartbeat; CANCELLED: the node
+     * has started anew in the middle of its update */
+    uint8_t outcome;
     uint16_t index;
     uint8_t sub;
     sdo_abort_t abort_code;
     uint32_t expected, actual;
-    uint32_t entry; /* step CONFIGURE: number of the entry, from 1 */
+    uint32_t entry; /* step CONFIGURE: number of the entry, from 1; UPDATE_SOFTWARE: enum
+                     * software_phase, and expected has how many ms it was waited for */
     uint8_t size;   /* ... its bytes (255: more); expected has the value of up to 4 */
 };
 

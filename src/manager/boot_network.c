@@ -107,6 +107,13 @@ void boot_network_reboot(struct manager *self, struct boot_node *node, co_us_t n
     submit(self, node, now);
 }
 
+void boot_network_go_on_updating(struct manager *self, struct boot_node *node, co_us_t now)
+{
+    take_request_back(self, node, now);
+    software_on_boot_up(node, now, &self->inner);
+    submit(self, node, now);
+}
+
 void boot_network_reset_node(struct manager *self, struct boot_node *node, enum nmt_command command,
                              co_us_t now)
 {

@@ -25,7 +25,8 @@ bool boot_node_is_booted_by_master(const struct boot_node *self)
 bool boot_node_is_in_mid_boot(const struct boot_node *self)
 {
     return boot_node_is_booted_by_master(self) && self->config->auto_start_slave &&
-           self->step >= BOOT_DEVICE_TYPE && self->step <= BOOT_ERROR_CONTROL;
+           ((self->step >= BOOT_DEVICE_TYPE && self->step <= BOOT_ERROR_CONTROL) ||
+            self->step == BOOT_CHECK_SOFTWARE);
 }
 
 enum nmt_command boot_node_reset_command(const struct boot_node *self)
@@ -55,8 +56,8 @@ void boot_node_enter(struct boot_node *self, enum boot_step step, struct co_outb
 
 /* --- how an attempt ends --- */
 
-static void fail(struct boot_node *self, const struct boot_failure *failure, co_us_t now,
-                 struct co_outbox *out)
+void boot_node_fail(struct boot_node *self, const struct boot_failure *failure, co_us_t now,
+                    struct co_outbox *out)
 {
     bool retry = boot_failure_is_worth_a_retry(failure, ++self->attempts);
 
@@ -97,7 +98,7 @@ void boot_node_fail_request(struct boot_node *self, char letter, co_us_t now, st
         failure.expected = (uint32_t)get_le(self->entry.value,
                                             self->entry.size < 4 ? self->entry.size : 4);
     }
-    fail(self, &failure, now, out);
+    boot_node_fail(self, &failure, now, out);
 }
 
 static void succeed(struct boot_node *self, struct co_outbox *out)
@@ -106,6 +107,7 @@ static void succeed(struct boot_node *self, struct co_outbox *out)
     self->booted = true;
     self->reset_repeated = false;
     self->attempts = 0;
+    self->software.tries = 0;
     self->failure = (struct boot_failure){ .letter = 0 };
     self->told = self->failure;
     self->state_known = false; /* of the next boot */
@@ -160,7 +162,7 @@ void boot_node_enter_error_control(struct boot_node *self, co_us_t now, struct c
 static void enter_check_state(struct boot_node *self, co_us_t now, struct co_outbox *out)
 {
     if (!self->config->check_node_state || self->state_known) {
-        configure_node_enter(self, now, out);
+        software_enter(self, now, out);
         return;
     }
     boot_node_enter(self, BOOT_CHECK_STATE, out);
@@ -236,7 +238,7 @@ static bool compare(struct boot_node *self, char letter, uint32_t expected, co_u
     boot_node_tell_read(self, out);
     if (expected == 0 || failure.actual == expected)
         return true;
-    fail(self, &failure, now, out);
+    boot_node_fail(self, &failure, now, out);
     return false;
 }
 
@@ -294,6 +296,8 @@ static void (*const on_answer[])(struct boot_node *self, bool ok, co_us_t now,
     [BOOT_CHECK_CONFIGURATION] = configure_node_on_check,
     [BOOT_CONFIGURE] = configure_node_on_done,
     [BOOT_SAVE] = configure_node_on_done,
+    [BOOT_CHECK_SOFTWARE] = software_on_check,
+    [BOOT_UPDATE_SOFTWARE] = software_on_update,
 };
 
 void boot_node_on_sdo(struct boot_node *self, co_us_t now, struct co_outbox *out)
@@ -336,6 +340,7 @@ void boot_node_stop(struct boot_node *self)
     self->kept_alive = false;
     self->request_due = false;
     self->attempts = 0;
+    self->software.tries = 0;
     self->nmt_state = NMT_INITIALISING;
     supervision_forget(&self->supervision);
     self->told = (struct boot_failure){ .letter = 0 };
@@ -511,7 +516,7 @@ bool boot_node_on_silence(struct boot_node *self, co_us_t now, struct co_outbox 
 
     if (!checks && self->step != BOOT_ERROR_CONTROL)
         return false;
-    fail(self, &failure, now, out);
+    boot_node_fail(self, &failure, now, out);
     return true;
 }
 
@@ -526,6 +531,8 @@ void boot_node_on_time(struct boot_node *self, co_us_t now, struct co_outbox *ou
         on_reset_time(self, now, out);
     else if (self->step == BOOT_ERROR_CONTROL || self->step == BOOT_CHECK_STATE)
         boot_node_on_silence(self, now, out);
+    else if (self->step == BOOT_UPDATE_SOFTWARE)
+        software_on_time(self);
     else if (self->step == BOOT_RETRY && self->reset_due)
         boot_node_reset(self, (enum nmt_command)self->reset_command, now, out);
     else if (self->step == BOOT_RETRY)

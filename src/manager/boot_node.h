@@ -6,7 +6,7 @@
  *
  *                +----------------- boot-up message ----------------+
  *                v                                                  |
- *   RESET -> DEVICE_TYPE -> IDENTITY -> CHECK_CONFIGURATION -> CONFIGURE -> SAVE
+ *   RESET -> DEVICE_TYPE -> IDENTITY -> CHECK_CONFIGURATION -> CONFIGURE -> SAVE     (*)
  *     ^          | no answer                    | up to date          |
  *     |          v                              +------------+--------+
  *     +------- RETRY (1 s)                                   v
@@ -15,6 +15,8 @@
  * The node's SDO request is submitted by the owner: request_due says that it wants to be. The owner
  * hands the result back with boot_node_on_sdo(). Steps for which nothing is configured are passed
  * at once.
+ *
+ *   (*) CHECK_STATE, then CHECK_SOFTWARE and UPDATE_SOFTWARE (software.h), stand behind IDENTITY
  *
  *   owner    boot_network
  */
@@ -26,6 +28,7 @@
 #include "manager/event.h"
 #include "manager/network_config.h"
 #include "manager/sdo_channel.h"
+#include "manager/software.h"
 #include "manager/supervision.h"
 #include "manager/verify.h"
 #include "proto/nmt.h"
@@ -48,7 +51,9 @@ enum boot_step {
     BOOT_STARTED = 9,
     BOOT_RETRY = 10,
     BOOT_FAILED = 11,
-    BOOT_CHECK_STATE = 12 /* of a node to be kept alive, behind IDENTITY */
+    BOOT_CHECK_STATE = 12,    /* of a node to be kept alive, behind IDENTITY */
+    BOOT_CHECK_SOFTWARE = 13, /* behind that */
+    BOOT_UPDATE_SOFTWARE = 14
 };
 
 /* A stopped node has no SDO: without heartbeat it looks absent until a reset has reached it. */
@@ -87,6 +92,7 @@ struct boot_node {
     uint32_t written; /* entries, where they are compared before */
     bool unsaved;     /* it was written to since it has saved its configuration last */
     struct verify verify;
+    struct software_update software;
     struct supervision supervision;
 };
 
@@ -119,6 +125,8 @@ void boot_node_stop(struct boot_node *self);
 /* Its boot-up message: the owner decides what to do about it. */
 void boot_node_on_boot_up(struct boot_node *self, const struct co_frame *frame, co_us_t now,
                           struct co_outbox *out);
+/* The same in step UPDATE_SOFTWARE, behind that: the update goes on. */
+void software_on_boot_up(struct boot_node *self, co_us_t now, struct co_outbox *out);
 void boot_node_on_sdo(struct boot_node *self, co_us_t now, struct co_outbox *out);
 void boot_node_on_error_control(struct boot_node *self, const struct co_frame *frame, co_us_t now,
                                 struct co_outbox *out);

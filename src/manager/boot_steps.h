@@ -1,5 +1,6 @@
 /*
- * What the parts of a node's boot machine share: boot_node.c and configure_node.c; nobody else.
+ * What the parts of a node's boot machine share: boot_node.c, configure_node.c, software.c; nobody
+ * else.
  */
 #ifndef CO_MANAGER_BOOT_STEPS_H
 #define CO_MANAGER_BOOT_STEPS_H
@@ -18,6 +19,9 @@ void boot_node_read_into(struct boot_node *self, uint16_t index, uint8_t sub, ui
 /* What the last read has brought; the event for it. */
 uint32_t boot_node_number_read(const struct boot_node *self);
 void boot_node_tell_read(const struct boot_node *self, struct co_outbox *out);
+void boot_node_fail(struct boot_node *self, const struct boot_failure *failure, co_us_t now,
+                    struct co_outbox *out);
+/* For what its last request has ended with. */
 void boot_node_fail_request(struct boot_node *self, char letter, co_us_t now,
                             struct co_outbox *out);
 void boot_node_enter_error_control(struct boot_node *self, co_us_t now, struct co_outbox *out);
@@ -26,5 +30,11 @@ void boot_node_enter_error_control(struct boot_node *self, co_us_t now, struct c
 void configure_node_enter(struct boot_node *self, co_us_t now, struct co_outbox *out);
 void configure_node_on_check(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out);
 void configure_node_on_done(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out);
+
+/* software.c: CHECK_SOFTWARE, on to the configuration, and UPDATE_SOFTWARE, on to a new boot */
+void software_enter(struct boot_node *self, co_us_t now, struct co_outbox *out);
+void software_on_check(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out);
+void software_on_update(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out);
+void software_on_time(struct boot_node *self);
 
 #endif

@@ -42,6 +42,7 @@ static const struct compared {
     { 'M', 0x1018, 2, "product code", "Product_Code" },
     { 'N', 0x1018, 3, "revision number", "Revision_Number" },
     { 'O', 0x1018, 4, "serial number", "Serial_Number" },
+    { 'H', 0x1F56, 1, "software identification", "NMT_Verify_Software" },
 };
 
 static const struct compared *find_compared(uint16_t index, uint8_t sub)
@@ -67,6 +68,8 @@ static void add_silence_of_server(struct text *text, const struct node_config *c
     co_us_t timeout = failure->letter == 'J' ? configure_node_timeout(config, failure->index)
                                              : CO_MS(config->sdo_timeout);
 
+    if (failure->step == BOOT_UPDATE_SOFTWARE)
+        timeout = CO_MS(failure->expected);
     add(text, "no answer within %u ms", (unsigned)(timeout / 1000u));
 }
 
@@ -86,8 +89,8 @@ static void add_outcome(struct text *text, const struct node_config *config,
             sdo_abort_text(failure->abort_code));
         break;
     case SDO_OUTCOME_OVERFLOW: add(text, "the answer is longer than 8 bytes"); break;
-    case SDO_OUTCOME_OK:
-    case SDO_OUTCOME_CANCELLED: break;
+    case SDO_OUTCOME_CANCELLED: add(text, "the node has started anew meanwhile"); break;
+    case SDO_OUTCOME_OK: break;
     }
 }
 
@@ -164,11 +167,102 @@ static void add_silence(struct text *text, const struct boot_failure *failure)
             failure->expected);
 }
 
+/* --- failures of the software --- */
+
+static const char *const phase_texts[] = {
+    [SOFTWARE_ASK] = "ask whether its program runs",
+    [SOFTWARE_STOP] = "stop its program",
+    [SOFTWARE_STOPPING] = "wait for its program to stop",
+    [SOFTWARE_CLEAR] = "clear its program",
+    [SOFTWARE_CLEARING] = "wait for its flash to be cleared",
+    [SOFTWARE_WRITE] = "write its program",
+    [SOFTWARE_WRITING] = "wait for its flash to be written",
+    [SOFTWARE_COMPARE] = "compare its new program",
+    [SOFTWARE_START] = "start its program",
+    [SOFTWARE_STARTING] = "wait for its program to start",
+};
+
+/* 1F57h, bits 1 to 7 */
+static const char *flash_text(uint32_t status)
+{
+    static const char *const texts[] = {
+        "no error",       "no valid program",  "data format unknown",
+        "checksum wrong", "flash not cleared", "flash write error",
+        "address error",  "flash secured",     "memory access error"
+    };
+    uint32_t code = status >> 1 & 0x7Fu;
+
+    return code < sizeof texts / sizeof texts[0] ? texts[code] : "error of the manufacturer";
+}
+
+static void add_other_software(struct text *text, const struct boot_failure *failure)
+{
+    add_object(text, failure->index, failure->sub);
+    add(text, " is %08Xh, configuration expects %08Xh", failure->actual, failure->expected);
+}
+
+static void add_update_failure(struct text *text, const struct node_config *config,
+                               const struct boot_failure *failure)
+{
+    uint32_t phase = failure->entry;
+    bool flash = phase == SOFTWARE_CLEARING || phase == SOFTWARE_WRITING;
+
+    add(text, "%s, %04Xh:%02X: ", phase_texts[phase], failure->index, failure->sub);
+    if (failure->outcome != SDO_OUTCOME_OK)
+        add_outcome(text, config, failure);
+    else if (phase == SOFTWARE_COMPARE)
+        add(text,
+            "it is %08Xh, configuration expects %08Xh: Software_File is another program than "
+            "Software_Identification says",
+            failure->actual, failure->expected);
+    else if (flash && (failure->actual & 1u) == 0)
+        add(text, "flash status %08Xh, %s", failure->actual, flash_text(failure->actual));
+    else
+        add(text, "still %08Xh after %u ms", failure->actual, failure->expected);
+}
+
+static void add_software_failure(struct text *text, const struct node_config *config,
+                                 const struct boot_failure *failure)
+{
+    if (failure->step == BOOT_UPDATE_SOFTWARE) {
+        add_update_failure(text, config, failure);
+        return;
+    }
+    if (failure->letter == 'G') {
+        add(text, "Software_Identification is missing: NMT_Verify_Software has nothing to compare "
+                  "with");
+        return;
+    }
+    if (failure->index == 0x1F51) {
+        add(text, "its program, 1F51h:01, does not go on running: started %u times",
+            SOFTWARE_TRIES);
+        return;
+    }
+    add_other_software(text, failure);
+    if (failure->letter == 'I' && config->software)
+        add(text, ", and %u updates have not changed that: see what they failed with",
+            SOFTWARE_TRIES);
+    else if (failure->letter == 'I')
+        add(text, ": there is no Software_File to update it with");
+    else if (config->check_node_state)
+        add(text, ": a node that is to be kept alive (NMT_Check_Nodestate) is not updated");
+    else
+        add(text, ": update it, or set NMT_Allow_Software_Update");
+}
+
+static bool is_of_software(const struct boot_failure *failure)
+{
+    return failure->step == BOOT_UPDATE_SOFTWARE ||
+           (failure->step == BOOT_CHECK_SOFTWARE && failure->outcome == SDO_OUTCOME_OK);
+}
+
 static void add_failure(struct text *text, const struct node_config *config,
                         const struct boot_failure *failure)
 {
     add(text, "boot error %c: ", failure->letter);
-    if (failure->letter == 'J')
+    if (is_of_software(failure))
+        add_software_failure(text, config, failure);
+    else if (failure->letter == 'J')
         add_write_failure(text, config, failure);
     else if (failure->letter == 'E' || failure->letter == 'F' || failure->letter == 'K')
         add_silence(text, failure);
@@ -198,7 +292,23 @@ static const char *const step_texts[] = {
     [BOOT_CHECK_CONFIGURATION] = "checks its configuration date",
     [BOOT_SAVE] = "saves its configuration",
     [BOOT_CHECK_STATE] = "asks for its state, it is to be kept alive",
+    [BOOT_CHECK_SOFTWARE] = "checks its software",
 };
+
+static void add_software(struct text *text, const struct node_config *node,
+                         const struct co_event *event)
+{
+    switch (event->detail) {
+    case SOFTWARE_STOP: add(text, "stops its program"); break;
+    case SOFTWARE_CLEAR: add(text, "clears its program"); break;
+    case SOFTWARE_WRITE:
+        add(text, "writes its program: %u bytes of %s", (unsigned)event->actual,
+            node->software_file);
+        break;
+    case SOFTWARE_COMPARE: add(text, "its program is written, compares it"); break;
+    default: add(text, "starts its program"); break;
+    }
+}
 
 /* False for steps that other events tell. */
 static bool add_step(struct text *text, const struct node_config *node,
@@ -259,6 +369,7 @@ static bool add_progress(struct text *text, const struct node_config *node,
     switch (event->type) {
     case MANAGER_NODE_STEP: return node && add_step(text, node, event);
     case MANAGER_NODE_COMPARED: add_compared(text, event); return true;
+    case MANAGER_NODE_SOFTWARE: add_software(text, node, event); return true;
     case MANAGER_NODE_READ:
         add_object(text, event->index, event->sub);
         add(text, " is %08Xh", (unsigned)event->actual);
@@ -445,6 +556,8 @@ static const char *const wait_texts[] = {
     [BOOT_RETRY] = "failed",
     [BOOT_FAILED] = "failed",
     [BOOT_CHECK_STATE] = "waits for it to tell its state",
+    [BOOT_CHECK_SOFTWARE] = "waits for the answer to 1F56h",
+    [BOOT_UPDATE_SOFTWARE] = "gets its program",
 };
 
 static const char *waits_for(const struct boot_node *node)

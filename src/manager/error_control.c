@@ -24,7 +24,9 @@ static void on_boot_up(struct manager *self, uint8_t node_id, const struct co_fr
         return;
     if (!boot_node_is_booted_by_master(node) || !node->config->auto_start_slave)
         return;
-    if (node->step != BOOT_RESET)
+    if (node->step == BOOT_UPDATE_SOFTWARE)
+        boot_network_go_on_updating(self, node, now);
+    else if (node->step != BOOT_RESET)
         boot_network_reboot(self, node, now);
 }
 

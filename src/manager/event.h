@@ -16,6 +16,8 @@ enum manager_event {
     MANAGER_NODE_UP_TO_DATE, /* node: 1020h says that it is configured already */
     MANAGER_NODE_COMPARED,   /* node: its configuration is there; expected: entries, actual: how
                                 many of them had to be written */
+    MANAGER_NODE_SOFTWARE,   /* node, detail: enum software_phase entered; actual: bytes of its
+                                program */
     MANAGER_NODE_FAILED,     /* node, detail: status letter, see struct boot_failure */
     MANAGER_NODE_BOOTED,     /* node, detail: status letter 'L' or 0 */
     MANAGER_NODE_STARTED,    /* node */

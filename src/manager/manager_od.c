@@ -39,6 +39,11 @@ static uint32_t configuration_time(const struct node_config *node)
     return node->configuration_time;
 }
 
+static uint32_t software_identification(const struct node_config *node)
+{
+    return node->software_identification;
+}
+
 static uint32_t device_type(const struct node_config *node)
 {
     return node->device_type;
@@ -71,10 +76,10 @@ static const struct node_object {
     uint32_t (*value)(const struct node_config *node);
 } node_objects[] = {
     { 0x1016, false, consumer_heartbeat }, { 0x1F26, true, configuration_date },
-    { 0x1F27, true, configuration_time },  { 0x1F81, false, slave_assignment },
-    { 0x1F84, false, device_type },        { 0x1F85, false, vendor_id },
-    { 0x1F86, false, product_code },       { 0x1F87, false, revision_number },
-    { 0x1F88, false, serial_number },
+    { 0x1F27, true, configuration_time },  { 0x1F55, true, software_identification },
+    { 0x1F81, false, slave_assignment },   { 0x1F84, false, device_type },
+    { 0x1F85, false, vendor_id },          { 0x1F86, false, product_code },
+    { 0x1F87, false, revision_number },    { 0x1F88, false, serial_number },
 };
 
 static bool is_given(const struct node_object *object, const struct network_config *config)

@@ -135,17 +135,21 @@ static const xmlNode *read_until_inner(const xmlNode *child, struct scope *scope
     return NULL;
 }
 
+static unsigned valid_line(const struct scope *scope, const char *name)
+{
+    return scope->lines.valid[element_find(scope->table, name) - scope->table->rows];
+}
+
 static void read_node(const xmlNode *node, struct node_config *config, struct unique_lines *unique,
                       struct faults *faults)
 {
     struct scope scope = { .table = &node_elements, .name = node_elements.parent, .base = config };
-    const char *file;
 
     config->line = network_xml_line(node);
     elements_preset(&node_elements, config);
     read_until_inner(node->children, &scope, faults);
-    file = config->dcf_file ? "DCF_File" : "CCF_File";
-    config->file_line = scope.lines.valid[element_find(&node_elements, file) - node_elements.rows];
+    config->file_line = valid_line(&scope, config->dcf_file ? "DCF_File" : "CCF_File");
+    config->software_line = valid_line(&scope, "Software_File");
     check_node(config, &scope.lines, unique, faults);
 }
 
@@ -276,6 +280,7 @@ static void free_network(struct network_config *config)
     for (size_t i = 0; i < config->node_count; i++) {
         elements_free(&node_elements, &config->nodes[i]);
         ccf_done(&config->nodes[i].ccf);
+        free(config->nodes[i].software);
     }
     free(config->nodes);
     elements_free(&network_elements, config);

@@ -6,7 +6,7 @@
  *   out  every element of the manual's sections 3.2.3 and 3.2.4, and ours, with value or default
  *
  * All of the file is read and every fault told (up to NETWORK_MESSAGES); a file with a fault gives
- * no configuration. What is read but cannot be done yet is a fault too, never ignored.
+ * no configuration.
  */
 #ifndef CO_MANAGER_NETWORK_CONFIG_H
 #define CO_MANAGER_NETWORK_CONFIG_H
@@ -46,7 +46,8 @@ struct node_config {
     uint32_t serial_number;
     char *dcf_file; /* as written, NULL: none */
     char *ccf_file;
-    unsigned file_line; /* of DCF_File or CCF_File */
+    unsigned file_line;     /* of DCF_File or CCF_File */
+    unsigned software_line; /* of Software_File */
     bool old_config_style;
     bool reset_node;             /* NMT_Reset_Node */
     uint16_t boot_delay;         /* ms */
@@ -60,6 +61,8 @@ struct node_config {
     bool verify_configuration;
     uint8_t sdo_block_size; /* segments in a block; 0: no block transfer */
     struct ccf ccf;         /* what to write to the device; filled by api/ from the file */
+    uint8_t *software;      /* its program, likewise; NULL: none */
+    uint32_t software_size;
 };
 
 struct network_config {
@@ -95,10 +98,10 @@ struct network_config {
 
 /*
  * CO_ERR_FORMAT: no well-formed XML, or not a configuration at all; CO_ERR_VALUE: an unknown
- * element, a value out of range, a duplicate, something mandatory missing, a service whose turn has
- * not come; CO_ERR_MEMORY. Kinds of errors (co_report_kind) are these too, and CO_ERR_ARG for a
- * node-ID out of range, CO_ERR_BITRATE for a bit rate that CANopen does not have, CO_ERR_AGAIN for
- * more networks than there is room for. The outputs are untouched on failure.
+ * element, a value out of range, a duplicate, something mandatory missing; CO_ERR_MEMORY. Kinds of
+ * errors (co_report_kind) are these too, and CO_ERR_ARG for a node-ID out of range, CO_ERR_BITRATE
+ * for a bit rate that CANopen does not have, CO_ERR_AGAIN for more networks than there is room for.
+ * The outputs are untouched on failure.
  */
 enum co_err network_config_parse(const char *text, size_t size, struct co_report *report,
                                  struct network_config **ret_networks, size_t *ret_count);

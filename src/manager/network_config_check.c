@@ -7,40 +7,11 @@
 #define NO_IDENTIFIER 0x80000000u /* bits of 1005h: reserved */
 #define SYNC_PRODUCER 0x40000000u /* bit of 1005h; the manager sets it by itself */
 
-/* What is refused until the code that does it is there: then its row goes. */
-static const struct not_yet {
-    const char *element;
-    const char *text;
-} not_yet[] = {
-    { "NMT_Verify_Software", "the software check is not supported yet" },
-    { "NMT_Allow_Software_Update", "the software update is not supported yet" },
-    { "Software_Identification", "the software check is not supported yet" },
-    { "Software_File", "the software update is not supported yet" },
-};
-
 /* The line of a valid element; 0: not there. */
 static unsigned valid_line(const struct element_table *table, const struct element_lines *lines,
                            const char *name)
 {
     return lines->valid[element_find(table, name) - table->rows];
-}
-
-static bool is_used(const struct element_table *table, const char *name, const void *base)
-{
-    return element_is_used(element_find(table, name), base);
-}
-
-static void check_not_yet(const struct element_table *table, const struct element_lines *lines,
-                          const void *base, struct faults *faults)
-{
-    for (size_t i = 0; i < sizeof not_yet / sizeof *not_yet; i++) {
-        const struct not_yet *row = &not_yet[i];
-
-        if (element_find(table, row->element) && valid_line(table, lines, row->element) != 0 &&
-            is_used(table, row->element, base))
-            faults_error(faults, CO_ERR_VALUE, valid_line(table, lines, row->element), "%s: %s",
-                         row->element, row->text);
-    }
 }
 
 void check_mandatory(const struct element_table *table, const struct element_lines *lines,
@@ -109,6 +80,32 @@ static void check_error_control(const struct node_config *config, const struct e
                     "by guarding");
 }
 
+/* What cannot come to anything, though each element is right. */
+static void check_software(const struct node_config *config, const struct element_lines *lines,
+                           struct faults *faults)
+{
+    unsigned verify = valid_line(&node_elements, lines, "NMT_Verify_Software");
+    unsigned allow = valid_line(&node_elements, lines, "NMT_Allow_Software_Update");
+    unsigned file = valid_line(&node_elements, lines, "Software_File");
+
+    if (config->verify_software && config->software_identification == 0)
+        faults_note(faults, CO_WARNING, verify,
+                    "NMT_Verify_Software: without Software_Identification the node does not boot "
+                    "(boot error G)");
+    if (config->allow_software_update && !config->verify_software)
+        faults_note(faults, CO_WARNING, allow,
+                    "NMT_Allow_Software_Update: has no effect without NMT_Verify_Software");
+    else if (config->allow_software_update && config->check_node_state)
+        faults_note(faults, CO_WARNING, allow,
+                    "NMT_Allow_Software_Update: has no effect on a node with NMT_Check_Nodestate");
+    else if (config->allow_software_update && !config->software_file)
+        faults_note(faults, CO_WARNING, allow,
+                    "NMT_Allow_Software_Update: there is no Software_File to update it with");
+    if (config->software_file && !config->allow_software_update)
+        faults_note(faults, CO_WARNING, file,
+                    "Software_File: has no effect without NMT_Allow_Software_Update");
+}
+
 void check_node(const struct node_config *config, const struct element_lines *lines,
                 struct unique_lines *unique, struct faults *faults)
 {
@@ -118,7 +115,7 @@ void check_node(const struct node_config *config, const struct element_lines *li
     check_files(config, lines, faults);
     check_date(lines, faults);
     check_error_control(config, lines, faults);
-    check_not_yet(&node_elements, lines, config, faults);
+    check_software(config, lines, faults);
 }
 
 /* The portable scale; native priorities are the operating system's to judge. */
@@ -185,6 +182,5 @@ void check_network(const struct network_config *config, const struct element_lin
     if (config->node_count == 0)
         faults_note(faults, CO_WARNING, config->line,
                     "Manager_Instance: without any Node_Instance there is nothing to manage");
-    check_not_yet(table, lines, config, faults);
     memset(unique->nodes, 0, sizeof unique->nodes);
 }

@@ -183,13 +183,3 @@ void elements_free(const struct element_table *table, void *base)
         free(text);
     }
 }
-
-bool element_is_used(const struct element *self, const void *base)
-{
-    const struct element alone = { .size = self->size };
-    char preset[sizeof(char *)] = { 0 };
-
-    if (self->preset != 0)
-        element_put(&alone, preset, self->preset);
-    return memcmp((const char *)base + self->offset, preset, self->size) != 0;
-}

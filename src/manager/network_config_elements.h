@@ -66,7 +66,4 @@ void element_put(const struct element *self, void *base, uint32_t value);
 void element_set(const struct element *self, const char *text, unsigned line, void *base,
                  struct faults *faults);
 
-/* The element has a value that is not its default; not for ELEMENT_INT16. */
-bool element_is_used(const struct element *self, const void *base);
-
 #endif

@@ -13,8 +13,6 @@
     "<Configuration_Date>5000</Configuration_Date>"                                                \
     "<Configuration_Time>6000</Configuration_Time>"
 
-#define TALK_SIZE 2048u
-
 struct object {
     uint16_t index;
     uint8_t sub, size;
@@ -49,30 +47,6 @@ static void configure(struct plant *plant, const struct object *entries)
 {
     for (const struct object *o = entries; o->index != 0; o++)
         plant_configure(plant, 5, o->index, o->sub, o->size, o->value);
-}
-
-/* The requests to the node, "r": read, "w": written with this value or size; not those of 1000h. */
-static const char *talk(const struct plant *plant)
-{
-    static char text[TALK_SIZE];
-    size_t size = 0;
-
-    text[0] = '\0';
-    for (size_t i = 0; i < plant->sim.trace_count; i++) {
-        const struct co_frame *frame = &plant->sim.trace[i].frame;
-        unsigned index = frame->data[1] | (unsigned)frame->data[2] << 8;
-        unsigned command = frame->data[0] >> 5;
-
-        if (frame->id != 0x605 || index == 0x1000 || (command != 1 && command != 2))
-            continue;
-        size += (size_t)snprintf(text + size, sizeof text - size, " %c%04X:%X",
-                                 command == 2 ? 'r' : 'w', index, frame->data[3]);
-        if (command == 1)
-            size += (size_t)snprintf(text + size, sizeof text - size, "=%X",
-                                     frame->data[4] | (unsigned)frame->data[5] << 8);
-        ck_assert_uint_lt(size, sizeof text);
-    }
-    return text;
 }
 
 static void expect_up(struct plant *plant, const char *name, const char *said)
@@ -132,7 +106,7 @@ START_TEST(test_alone)
         plant_lie(plant, row->lie, row->answer, row->times);
     plant_run_ms(plant, 1500);
     expect_up(plant, row->name, row->said);
-    ck_assert_str_eq(talk(plant), row->talk);
+    ck_assert_str_eq(plant_talk(plant, 5), row->talk);
     ck_assert(plant_said(plant, "compares its configuration: 3 entries of"));
     plant_free(plant);
 }
@@ -149,7 +123,7 @@ START_TEST(test_off)
     set(plant, io_entries);
     plant_run_ms(plant, 1000);
     expect_up(plant, "off", "configures it: 3 entries of");
-    ck_assert_str_eq(talk(plant), " w6200:1=55 w6200:2=66 w2000:0=77");
+    ck_assert_str_eq(plant_talk(plant, 5), " w6200:1=55 w6200:2=66 w2000:0=77");
     ck_assert(!plant_said(plant, "compared"));
     plant_free(plant);
 }
@@ -171,7 +145,7 @@ START_TEST(test_date_first)
     set(plant, io_entries);
     plant_run_ms(plant, 1000);
     expect_up(plant, "dates", "is configured already");
-    ck_assert_str_eq(talk(plant),
+    ck_assert_str_eq(plant_talk(plant, 5),
                      _i ? " r1020:1 r1020:2 r6200:1 r6200:2 r2000:0" : " r1020:1 r1020:2");
     plant_free(plant);
 }
@@ -189,7 +163,7 @@ START_TEST(test_write_refused)
     plant_run_ms(plant, 500);
     ck_assert(plant_said(plant, "boot error J: write 6200h:02 = 66h (entry 2 of 3 of "
                                 "the configuration): the node answers abort 06090031h"));
-    ck_assert_str_eq(talk(plant), " r6200:1 w6200:1=55 r6200:2 w6200:2=66");
+    ck_assert_str_eq(plant_talk(plant, 5), " r6200:1 w6200:1=55 r6200:2 w6200:2=66");
     plant_free(plant);
 }
 END_TEST
@@ -214,7 +188,7 @@ START_TEST(test_any_case)
     set(plant, io_entries);
     plant_lie(plant, "605#23111001", "585#6011100100000000", 1);
     plant_run_ms(plant, 1000);
-    ck_assert_str_eq(talk(plant), " w2000:0=4321 r6200:1 w2000:0=77 w1011:1=6C w1F51:1=1");
+    ck_assert_str_eq(plant_talk(plant, 5), " w2000:0=4321 r6200:1 w2000:0=77 w1011:1=6C w1F51:1=1");
     ck_assert(plant_said(plant, "entries written: 4 of 5, the others were there"));
     plant_free(plant);
 }
@@ -238,11 +212,11 @@ START_TEST(test_long_value)
     ck_assert_int_eq(ccf_append(&plant->config->nodes[0].ccf, 0x2010, 0, value, size), CO_OK);
     plant_power_on(plant);
     plant_run_ms(plant, 500);
-    ck_assert_str_eq(talk(plant), _i ? " w2010:0=41" : " r2010:0 w2010:0=40");
+    ck_assert_str_eq(plant_talk(plant, 5), _i ? " w2010:0=41" : " r2010:0 w2010:0=40");
     plant->sim.trace_count = 0;
     ck_assert_int_eq(plant_command(plant, NMT_RESET_COMMUNICATION, 5), CO_OK);
     plant_run_ms(plant, 500);
-    ck_assert_str_eq(talk(plant), _i ? " w2010:0=41" : " r2010:0");
+    ck_assert_str_eq(plant_talk(plant, 5), _i ? " w2010:0=41" : " r2010:0");
     ck_assert_mem_eq(entry->value, value, size);
     plant_free(plant);
 }
@@ -309,7 +283,7 @@ START_TEST(test_sequence)
         od_set_number(od, row->different.index, row->different.sub, row->different.value);
     plant_run_ms(plant, 1000);
     ck_assert_msg(plant_node(plant, 5)->booted, "%s: %s", row->name, plant->events);
-    ck_assert_str_eq(talk(plant), row->talk);
+    ck_assert_str_eq(plant_talk(plant, 5), row->talk);
     ck_assert_uint_eq(od_number(od, 0x1800, 1, 0), 0x195);
     ck_assert_uint_eq(od_number(od, 0x1A00, 0, 0), 1);
     ck_assert_uint_eq(od_number(od, 0x1401, 1, 0), 0x205);
@@ -353,7 +327,7 @@ START_TEST(test_ordered)
         od_set_number(&plant->devices[5]->od, different->index, different->sub, different->value);
     plant_run_ms(plant, 1000);
     ck_assert_msg(plant_node(plant, 5)->booted, "%s", plant->events);
-    ck_assert_str_eq(talk(plant), orders[_i].talk);
+    ck_assert_str_eq(plant_talk(plant, 5), orders[_i].talk);
     plant_free(plant);
 }
 END_TEST
@@ -377,12 +351,12 @@ START_TEST(test_save)
     plant->sim.trace_count = 0;
     plant_run_ms(plant, 1500);
     watch_expect_up(plant, "save again");
-    ck_assert_str_eq(talk(plant), " r6200:1 r6200:2 r2000:0 w1010:1=6173");
+    ck_assert_str_eq(plant_talk(plant, 5), " r6200:1 r6200:2 r2000:0 w1010:1=6173");
     plant->sim.trace_count = 0;
     ck_assert_int_eq(plant_command(plant, NMT_RESET_COMMUNICATION, 5), CO_OK);
     plant_run_ms(plant, 500);
     watch_expect_up(plant, "nothing to save");
-    ck_assert_str_eq(talk(plant), " r6200:1 r6200:2 r2000:0");
+    ck_assert_str_eq(plant_talk(plant, 5), " r6200:1 r6200:2 r2000:0");
     plant_free(plant);
 }
 END_TEST

@@ -200,6 +200,52 @@ unsigned plant_sent(const struct plant *self, const char *frame)
     return count;
 }
 
+/* The end of a block download, or of an attempt at one. */
+static bool ends_blocks(const struct co_frame *frame, uint8_t node)
+{
+    static const uint8_t none[5];
+
+    if (frame->id == SDO_RESPONSE_ID + node)
+        return frame->data[0] == 0x80;
+    return (frame->data[0] & 0xE3u) == 0xC1 && memcmp(frame->data + 3, none, sizeof none) == 0;
+}
+
+static void add_transfer(FILE *text, const struct co_frame *frame)
+{
+    unsigned command = frame->data[0] >> 5, index = get_le16(frame->data + 1);
+    bool writes = command == 1 || command == 6;
+
+    if (index == 0x1000 || (!writes && command != 2))
+        return;
+    fprintf(text, " %c%04X:%X", command == 6 ? 'b' : writes ? 'w' : 'r', index, frame->data[3]);
+    if (writes)
+        fprintf(text, "=%X", get_le16(frame->data + 4));
+}
+
+const char *plant_talk(struct plant *self, uint8_t node)
+{
+    FILE *text = fmemopen(self->talk, sizeof self->talk, "w");
+    bool in_blocks = false;
+
+    for (size_t i = 0; i < self->sim.trace_count; i++) {
+        const struct co_frame *frame = &self->sim.trace[i].frame;
+
+        if (frame->id != SDO_REQUEST_ID + node && frame->id != SDO_RESPONSE_ID + node)
+            continue;
+        if (in_blocks) {
+            in_blocks = !ends_blocks(frame, node);
+            continue;
+        }
+        if (frame->id == SDO_RESPONSE_ID + node)
+            continue;
+        add_transfer(text, frame);
+        in_blocks = frame->data[0] >> 5 == 6;
+    }
+    fputc('\0', text);
+    ck_assert_int_eq(fclose(text), 0);
+    return self->talk;
+}
+
 void plant_run_ms(struct plant *self, unsigned ms)
 {
     sim_run(&self->sim, self->sim.now + CO_MS(ms));

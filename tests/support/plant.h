@@ -11,7 +11,8 @@
 
 #define PLANT_TEXT_SIZE 262144u
 
-#define PLANT_LIES 8u
+#define PLANT_LIES      8u
+#define PLANT_TALK_SIZE 4096u
 
 /* A request that the device never hears, and what is answered in its place. */
 struct plant_lie {
@@ -43,6 +44,7 @@ struct plant {
     /* After fault() has let it pass, before anybody hears it. */
     void (*on_delivered)(struct plant *self, const struct co_frame *frame, uint8_t sender);
     void (*on_event)(struct plant *self, const struct co_event *event); /* of the manager */
+    char talk[PLANT_TALK_SIZE];
     struct plant_lie lies[PLANT_LIES];
     unsigned lie_count;
 };
@@ -70,6 +72,12 @@ void plant_lie(struct plant *self, const char *request, const char *answer, unsi
 enum co_err plant_command(struct plant *self, enum nmt_command command, uint8_t node);
 /* How often a frame with a text that begins like this was on the wire. */
 unsigned plant_sent(const struct plant *self, const char *frame);
+/*
+ * The SDO transfers with a node, in a buffer of its own until the next call: " rINDEX:SUB" read,
+ * " wINDEX:SUB=VALUE" written in a frame or in segments (then with the size), " b" in blocks.
+ * Without those of 1000h.
+ */
+const char *plant_talk(struct plant *self, uint8_t node);
 void plant_run_ms(struct plant *self, unsigned ms);
 struct boot_node *plant_node(struct plant *self, uint8_t node);
 bool plant_said(const struct plant *self, const char *text);

@@ -1,0 +1,41 @@
+/*
+ * A device with a boot loader for scenario tests: node 5 of a plant, with 1F50h, 1F51h, 1F56h and
+ * 1F57h, whose behaviour the test sets.
+ */
+#ifndef TEST_SUPPORT_LOADER_H
+#define TEST_SUPPORT_LOADER_H
+
+#include "support/plant.h"
+
+#define LOADER_OLD  0x11u /* what the device has in 1F56h:01 ... */
+#define LOADER_NEW  0x22u /* ... and should have */
+#define LOADER_SIZE 2000u /* of the program */
+
+/* The boot loader: how it behaves, and how it stands. */
+struct loader {
+    struct plant *plant;
+    unsigned off_at_stop, off_at_start; /* ms that it is gone; 0: it stays */
+    unsigned clear_ms, write_ms;        /* its flash is busy */
+    uint32_t cleared, written;          /* 1F57h after that */
+    uint32_t written_id;                /* 1F56h; 0: what the program says */
+    bool deaf;                          /* it takes no commands */
+    unsigned die_in_write;              /* segments after which it restarts, the next time */
+    bool running;
+    uint32_t id, flash, next_flash;
+    co_us_t busy_until, back_at;
+    uint8_t commands[8]; /* taken from the bus, not yet followed */
+    unsigned command_count;
+    unsigned segments, programs;
+};
+
+/* A plant with node 5 alone, which has these elements; powered on. */
+void loader_make(struct loader *self, const char *node);
+void loader_run(struct loader *self, unsigned ms);
+/* Until the text was said; the test fails when the time is over. */
+void loader_run_until(struct loader *self, const char *said, unsigned ms);
+/* It is gone for so long, and then sends its boot-up message; 0: nothing happens. */
+void loader_restart(struct loader *self, unsigned ms);
+/* It follows this though it has not answered to it. */
+void loader_follow(struct loader *self, uint8_t command);
+
+#endif

@@ -37,24 +37,30 @@ void can_intake_prepare(struct can_message *message)
                                      .msg_controllen = sizeof message->control.bytes };
 }
 
-/* What there is on the socket; one message with the error if it cannot be read. */
-static void fetch(struct can_intake *self)
+/*
+ * What there is on the socket, behind so many messages that were fetched before; one message with
+ * the error if it cannot be read.
+ */
+static void fetch(struct can_intake *self, unsigned before)
 {
+    struct can_message *messages = &self->messages[before];
     struct mmsghdr heads[INTAKE_MESSAGES];
+    const unsigned room = INTAKE_MESSAGES - before;
     int count;
 
-    for (unsigned i = 0; i < INTAKE_MESSAGES; i++) {
-        can_intake_prepare(&self->messages[i]);
-        heads[i].msg_hdr = self->messages[i].head;
+    for (unsigned i = 0; i < room; i++) {
+        can_intake_prepare(&messages[i]);
+        heads[i].msg_hdr = messages[i].head;
     }
-    count = self->calls->recvmmsg(self->fd, heads, INTAKE_MESSAGES, MSG_DONTWAIT, NULL);
-    self->messages[0].result = -errno;
+    count = self->calls->recvmmsg(self->fd, heads, room, MSG_DONTWAIT, NULL);
+    messages[0].result = -errno;
     for (int i = 0; i < count; i++) {
-        self->messages[i].head = heads[i].msg_hdr;
-        self->messages[i].result = (int)heads[i].msg_len;
+        messages[i].head = heads[i].msg_hdr;
+        messages[i].result = (int)heads[i].msg_len;
     }
-    self->taken = 0;
-    self->fetched = count < 0 ? 1 : (unsigned)count;
+    if (before == 0)
+        self->taken = 0;
+    self->fetched = before + (count < 0 ? 1 : (unsigned)count);
 }
 
 bool can_intake_has(struct can_intake *self)
@@ -67,7 +73,7 @@ bool can_intake_has(struct can_intake *self)
 struct can_message *can_intake_take(struct can_intake *self)
 {
     if (!can_intake_has(self) && !(self->has_ring && can_intake_ring_look(self)))
-        fetch(self);
+        fetch(self, 0);
     return can_intake_has(self) ? &self->messages[self->taken++] : NULL;
 }
 
@@ -96,10 +102,21 @@ static enum co_err wait_by_poll(struct can_intake *self, co_us_t deadline)
     enum co_err err = bus_poll_until(&poll, deadline);
 
     if (poll.readable[0])
-        fetch(self);
+        fetch(self, 0);
     if (poll.readable[1])
         can_intake_take_wake(self);
     self->has_news = poll.readable[2];
+    return err;
+}
+
+/* The whole chain has got messages: there may be many more. */
+static enum co_err wait_by_ring(struct can_intake *self, co_us_t deadline)
+{
+    const enum co_err err = can_intake_ring_wait(self, deadline);
+
+    if (err == CO_OK && self->ring.chained == 0 && self->fetched == INTAKE_CHAIN &&
+        self->messages[INTAKE_CHAIN - 1].result >= 0)
+        fetch(self, INTAKE_CHAIN);
     return err;
 }
 
@@ -108,7 +125,7 @@ enum co_err can_intake_wait(struct can_intake *self, co_us_t deadline, bool *ret
     enum co_err err = CO_OK;
 
     if (!can_intake_has(self))
-        err = self->has_ring ? can_intake_ring_wait(self, deadline) : wait_by_poll(self, deadline);
+        err = self->has_ring ? wait_by_ring(self, deadline) : wait_by_poll(self, deadline);
     *ret_news = self->has_news;
     self->has_news = self->woken = self->alarmed = false;
     return err;

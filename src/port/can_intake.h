@@ -4,9 +4,10 @@
  *   in   messages on the socket, wake-ups, news on another descriptor, a deadline
  *   out  messages, in the order of the socket; what has ended the wait
  *
- * By io_uring a frame costs one system call, the one that waits for it. By poll() and recvmmsg()
- * it is two, for up to INTAKE_MESSAGES that are there. Internal to port/. Locking: one thread, the
- * one that receives; can_intake_wake() is for any.
+ * By io_uring a frame that comes alone costs one system call, the one that waits for it. Where more
+ * are there, and without io_uring, it is two for up to INTAKE_MESSAGES: the other one is
+ * recvmmsg(). Internal to port/. Locking: one thread, the one that receives; can_intake_wake() is
+ * for any.
  */
 #ifndef CO_PORT_CAN_INTAKE_H
 #define CO_PORT_CAN_INTAKE_H
@@ -17,7 +18,7 @@
 #include <linux/can.h>
 #include <time.h>
 
-#define INTAKE_MESSAGES 16u /* fetched with one recvmmsg() */
+#define INTAKE_MESSAGES 32u /* fetched with one wait */
 #define INTAKE_CHAIN    2u  /* by io_uring: more would cost each frame that comes alone */
 
 union can_control { /* what comes beside a frame */

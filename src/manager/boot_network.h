@@ -54,4 +54,8 @@ void error_control_on_frame(struct manager *self, const struct co_frame *frame, 
 void error_control_on_lost(struct manager *self, uint8_t node, co_us_t now);
 void error_control_on_alive(struct manager *self, uint8_t node, co_us_t now);
 
+/* command.c: what manager_command() does, without what follows from it. */
+enum co_err command_execute(struct manager *self, enum nmt_command command, uint8_t node,
+                            co_us_t now);
+
 #endif

@@ -55,10 +55,16 @@ static const struct expectation {
     { 0x1018, 2, OD_UNSIGNED32, 0 },
     { 0x1018, 3, OD_UNSIGNED32, MCANOPEN_VERSION_MAJOR * 0x10000u + MCANOPEN_VERSION_MINOR },
     { 0x1018, 4, OD_UNSIGNED32, 0 },
+    { 0x1028, 0, OD_UNSIGNED8, 127 },
     { 0x1F80, 0, OD_UNSIGNED32, 1 },
     { 0x1F81, 0, OD_UNSIGNED8, 127 },
     { 0x1F81, 5, OD_UNSIGNED32, 5 },
     { 0x1F81, 6, OD_UNSIGNED32, 0 },
+    { 0x1F82, 0, OD_UNSIGNED8, 128 },
+    { 0x1F82, 127, OD_UNSIGNED8, 0 },
+    { 0x1F82, 128, OD_UNSIGNED8, 0 },
+    { 0x1F83, 0, OD_UNSIGNED8, 127 },
+    { 0x1F83, 127, OD_UNSIGNED8, 0 },
     { 0x1F84, 0, OD_UNSIGNED8, 127 },
     { 0x1F88, 127, OD_UNSIGNED32, 0 },
     { 0x1F89, 0, OD_UNSIGNED32, 0 },
@@ -75,14 +81,23 @@ START_TEST(test_device)
 }
 END_TEST
 
-START_TEST(test_nothing_can_be_written)
+/* 1F82h alone, and of each write the manager is told. */
+START_TEST(test_what_can_be_written)
 {
     struct od_entry *entry;
 
     filled(0x1000, 0);
-    for (size_t i = 0; i < od.count; i++)
-        ck_assert_uint_eq(od_check_write(&od, od.entries[i]->index, od.entries[i]->sub, &entry),
-                          SDO_READ_ONLY);
+    for (size_t i = 0; i < od.count; i++) {
+        const uint16_t index = od.entries[i]->index;
+        const uint8_t sub = od.entries[i]->sub;
+        const bool is_request = index == REQUEST_NMT && sub != 0;
+
+        ck_assert_uint_eq(od_check_write(&od, index, sub, &entry),
+                          is_request ? SDO_OK : SDO_READ_ONLY);
+        ck_assert_int_eq(od.entries[i]->watched, is_request);
+        ck_assert_uint_eq(od_check_read(&od, index, sub, &entry),
+                          is_request && sub == REQUEST_ALL_NODES ? SDO_WRITE_ONLY : SDO_OK);
+    }
 }
 END_TEST
 
@@ -143,6 +158,18 @@ START_TEST(test_heartbeat)
     ck_assert_uint_eq(filled(0x1016, 5), 0);
     ck_assert_uint_eq(filled(0x1017, 0), 1500);
     ck_assert_uint_eq(filled(0x1F89, 0), 20000);
+}
+END_TEST
+
+START_TEST(test_emergency_consumers)
+{
+    ck_assert_uint_eq(filled(0x1028, 5), 0x85);
+    ck_assert_uint_eq(filled(0x1028, 127), 0xFF);
+    ck_assert_uint_eq(filled(0x1028, 6), 0x80000000u);
+    config.preset_emergency_consumer = true;
+    ck_assert_uint_eq(filled(0x1028, 5), 0x85);
+    ck_assert_uint_eq(filled(0x1028, 6), 0x86);
+    ck_assert_uint_eq(filled(0x1028, 127), 0xFF);
 }
 END_TEST
 
@@ -214,7 +241,8 @@ int main(void)
 
     tcase_add_checked_fixture(objects, set_up, tear_down);
     tcase_add_loop_test(objects, test_device, 0, (int)(sizeof of_device / sizeof *of_device));
-    tcase_add_test(objects, test_nothing_can_be_written);
+    tcase_add_test(objects, test_what_can_be_written);
+    tcase_add_test(objects, test_emergency_consumers);
     tcase_add_test(objects, test_not_there);
     tcase_add_test(objects, test_startup);
     tcase_add_test(objects, test_assignment);

@@ -94,6 +94,19 @@ static unsigned put_halted(EVENT_T *event, const struct network_config *config,
     return put_text(event, config, from);
 }
 
+/* The log's line says all that there is to say. */
+static bool is_told_by_text(uint16_t type)
+{
+    static const uint16_t types[] = { MANAGER_NODE_ID_TAKEN, MANAGER_NODE_UNFOLLOWED,
+                                      MANAGER_SYNC_MISSING, MANAGER_NMT_REQUEST,
+                                      MANAGER_SECOND_MASTER };
+
+    for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
+        if (types[i] == type)
+            return true;
+    return false;
+}
+
 static unsigned map_network_event(const struct network_config *config, const struct co_event *event,
                                   EVENT_T ret_events[EVENT_MAP_MAX])
 {
@@ -103,10 +116,6 @@ static unsigned map_network_event(const struct network_config *config, const str
     case MANAGER_NETWORK_UP:
         return put_uc(ret_events, config, 0, MCANOPEN_MSG_NETWORK_UP, (unsigned)event->actual);
     case MANAGER_HALTED: return put_halted(ret_events, config, event);
-    case MANAGER_NODE_ID_TAKEN:
-    case MANAGER_NODE_UNFOLLOWED:
-    case MANAGER_SYNC_MISSING:
-    case MANAGER_SECOND_MASTER: return put_text(ret_events, config, event);
     case MANAGER_DROPPED:
     case RUNTIME_FRAMES_LOST:
         return put_ul(ret_events, config, 0, MCANOPEN_MSG_FRAMES_LOST,
@@ -118,7 +127,8 @@ static unsigned map_network_event(const struct network_config *config, const str
         *ret_events = make(config, 0, PARA_I, MCANOPEN_MSG_BUS_STATE);
         ret_events->para.i = event->detail;
         return 1;
-    default: return 0; /* the steps of a boot are for the log */
+    default: /* the steps of a boot are for the log alone */
+        return is_told_by_text(event->type) ? put_text(ret_events, config, event) : 0;
     }
 }
 

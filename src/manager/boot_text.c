@@ -460,7 +460,10 @@ static void add_command(struct text *text, const struct co_event *event)
                   { NMT_RESET_NODE, "reset node" },
                   { NMT_RESET_COMMUNICATION, "reset communication" } };
 
-    add(text, "another NMT master is on the bus: it commands \"");
+    if (event->type == MANAGER_NMT_REQUEST)
+        add(text, "another tool commands through this manager (1F82h): \"");
+    else
+        add(text, "another NMT master is on the bus: it commands \"");
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
         if (names[i].command == event->detail)
             add(text, "%s", names[i].name);
@@ -511,8 +514,9 @@ static bool add_network_news(struct text *text, const struct network_config *con
         add(text, "%u frames not looked at: this computer is too slow for the bus",
             (unsigned)event->actual);
         return true;
+    case MANAGER_NMT_REQUEST:
     case MANAGER_SECOND_MASTER:
-        *ret_severity = CO_WARNING;
+        *ret_severity = event->type == MANAGER_NMT_REQUEST ? CO_INFO : CO_WARNING;
         add_command(text, event);
         return true;
     case MANAGER_SYNC_MISSING:

@@ -30,6 +30,7 @@ enum manager_event {
     MANAGER_NODE_BACK,       /* node, detail: its state; expected, actual: as with LOST */
     MANAGER_EMCY,            /* node, code, detail: error register, data: 8 bytes */
     MANAGER_SECOND_MASTER,   /* an NMT command of another master: detail: command, node */
+    MANAGER_NMT_REQUEST,     /* another tool has commanded through 1F82h: detail, node: as above */
     MANAGER_NODE_ID_TAKEN,   /* node: the manager's own; detail: state that another device reports
                                 with it; actual: how often so far; told ever more rarely */
     MANAGER_DROPPED,         /* actual: frames not looked at, for want of room for their events */

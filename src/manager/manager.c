@@ -2,6 +2,7 @@
 
 #include "manager/boot_network.h"
 #include "manager/manager_od.h"
+#include "manager/nmt_request.h"
 #include "proto/event.h"
 
 #include <string.h>
@@ -30,11 +31,13 @@ enum co_err manager_init(struct manager *self, const struct network_config *conf
     err = manager_od_fill(config, &self->od);
     if (err == CO_OK)
         err = slave_init(&self->device, config->manager_node_id, &self->od);
-    if (err == CO_OK)
-        slave_leave_heartbeats(&self->device); /* 1F80h says what a lost node means, not 1029h */
-    else
+    if (err != CO_OK) {
         od_done(&self->od);
-    return err;
+        return err;
+    }
+    slave_leave_heartbeats(&self->device);  /* 1F80h says what a lost node means, not 1029h */
+    slave_leave_emergencies(&self->device); /* MANAGER_EMCY tells of them */
+    return CO_OK;
 }
 
 void manager_done(struct manager *self)
@@ -66,8 +69,8 @@ static bool is_power_of_2(uint64_t number)
 /* What only an application would want to know of its device. */
 static bool is_of_device(uint16_t type)
 {
-    static const uint16_t types[] = { SLAVE_WRITTEN,   SLAVE_EMERGENCY, SLAVE_EMCY_HEARD,
-                                      SLAVE_EMCY_LOST, SLAVE_WATCH,     SLAVE_GUARDING };
+    static const uint16_t types[] = { SLAVE_WRITTEN,   SLAVE_VERDICT_LATE, SLAVE_EMERGENCY,
+                                      SLAVE_EMCY_LOST, SLAVE_WATCH,        SLAVE_GUARDING };
 
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
         if (types[i] == type)
@@ -84,6 +87,7 @@ static bool consume(struct manager *self, const struct co_event *event, co_us_t 
     case PROTO_GUARD_STATE: error_control_on_alive(self, event->node, now); return true;
     case PROTO_HB_LOST:
     case PROTO_GUARD_LOST: error_control_on_lost(self, event->node, now); return true;
+    case SLAVE_VERDICT: nmt_request_on_write(self, event, now); return true;
     case MANAGER_NODE_ID_TAKEN:
     case PROTO_GUARD_TOGGLE: return !is_power_of_2(event->actual); /* told ever more rarely */
     default: return is_of_device(event->type);
@@ -240,12 +244,14 @@ static void dispatch(struct manager *self, const struct co_frame *frame, co_us_t
 }
 
 /* The application may ask for the manager's own dictionary: the device hears that as well. */
-static struct co_frame for_device(const struct manager *self, const struct co_frame *frame)
+static struct co_frame for_device(struct manager *self, const struct co_frame *frame)
 {
     struct co_frame heard = *frame;
 
-    if (frame->id == SDO_REQUEST_ID + self->config->manager_node_id)
+    if (frame->id == SDO_REQUEST_ID + self->config->manager_node_id) {
         heard.flags &= (uint8_t)~CO_FRAME_OWN;
+        nmt_request_refresh(self, frame);
+    }
     return heard;
 }
 

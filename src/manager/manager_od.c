@@ -4,6 +4,7 @@
 #define REVISION ((uint32_t)MCANOPEN_VERSION_MAJOR << 16 | MCANOPEN_VERSION_MINOR)
 
 #define EMCY_COB_ID   0x80u
+#define EMCY_NOT_USED 0x80000000u /* bit of 1028h */
 #define SYNC_PRODUCER 0x40000000u /* bit of 1005h */
 
 static uint32_t nmt_startup(const struct network_config *config)
@@ -107,6 +108,51 @@ static enum co_err add_node_object(const struct node_object *object,
     return err;
 }
 
+/* Who is heard is who is configured, or everybody. */
+static uint32_t heard_emergency(const struct network_config *config, uint8_t node)
+{
+    const bool is_heard = config->preset_emergency_consumer || network_config_node(config, node);
+
+    return is_heard ? EMCY_COB_ID + node : EMCY_NOT_USED;
+}
+
+static enum co_err add_emergency_consumers(const struct network_config *config, struct od *od)
+{
+    enum co_err err = od_add_number(od, 0x1028, 0, OD_UNSIGNED8, OD_CONST, NETWORK_NODE_MAX);
+
+    for (uint8_t id = 1; id <= NETWORK_NODE_MAX && err == CO_OK; id++)
+        err = od_add_number(od, 0x1028, id, OD_UNSIGNED32, OD_RO, heard_emergency(config, id));
+    return err;
+}
+
+static enum co_err add_nmt_request(struct od *od, uint8_t sub, uint8_t access)
+{
+    const struct od_spec spec = {
+        .index = REQUEST_NMT, .sub = sub, .type = OD_UNSIGNED8, .access = access
+    };
+    struct od_entry *entry;
+    enum co_err err = od_add(od, &spec, &entry);
+
+    if (err == CO_OK)
+        entry->watched = true;
+    return err;
+}
+
+static enum co_err add_requests(struct od *od)
+{
+    enum co_err err = od_add_number(od, REQUEST_NMT, 0, OD_UNSIGNED8, OD_CONST, REQUEST_ALL_NODES);
+
+    for (uint8_t id = 1; id <= NETWORK_NODE_MAX && err == CO_OK; id++)
+        err = add_nmt_request(od, id, OD_RW);
+    if (err == CO_OK)
+        err = add_nmt_request(od, REQUEST_ALL_NODES, OD_WO);
+    if (err == CO_OK)
+        err = od_add_number(od, REQUEST_GUARDING, 0, OD_UNSIGNED8, OD_CONST, NETWORK_NODE_MAX);
+    for (uint8_t id = 1; id <= NETWORK_NODE_MAX && err == CO_OK; id++)
+        err = od_add_number(od, REQUEST_GUARDING, id, OD_UNSIGNED8, OD_RO, 0);
+    return err;
+}
+
 /* A SYNC producer's, where one is asked for; the object without a period sends none. */
 static enum co_err add_sync(const struct network_config *config, struct od *od)
 {
@@ -149,6 +195,10 @@ enum co_err manager_od_fill(const struct network_config *config, struct od *od)
                             numbers[i].access, numbers[i].value);
     for (size_t i = 0; i < sizeof node_objects / sizeof *node_objects && err == CO_OK; i++)
         err = add_node_object(&node_objects[i], config, od);
+    if (err == CO_OK)
+        err = add_emergency_consumers(config, od);
+    if (err == CO_OK)
+        err = add_requests(od);
     if (err == CO_OK)
         err = add_sync(config, od);
     return err;

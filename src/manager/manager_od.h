@@ -2,16 +2,21 @@
  * The manager's own object dictionary, as its configuration describes it (CiA 302-2, 302-3).
  *
  *   in   the configuration of a network
- *   out  1000h..1018h of a CANopen device, and 1F26h..1F89h of a manager
+ *   out  1000h..1028h of a CANopen device, and 1F26h..1F89h of a manager
  *
- * All of it can only be read: the XML file is the one place of the configuration. Objects with a
- * sub-index for each node have all 127 of them; those of nodes without configuration are 0.
+ * The configuration can only be read: the XML file is its one place. Objects with a sub-index for
+ * each node have all 127 of them; those of nodes without configuration are 0. Writes of 1F82h are
+ * told (SLAVE_VERDICT), and what 1F82h and 1F83h say to readers is the owner's, see nmt_request.h.
  */
 #ifndef CO_MANAGER_MANAGER_OD_H
 #define CO_MANAGER_MANAGER_OD_H
 
 #include "manager/network_config.h"
 #include "od/od.h"
+
+#define REQUEST_NMT       0x1F82u
+#define REQUEST_GUARDING  0x1F83u
+#define REQUEST_ALL_NODES 0x80u /* sub-index of 1F82h */
 
 /*
  * Adds the objects to a dictionary that has none of them. CO_ERR_MEMORY, CO_ERR_EXISTS: the

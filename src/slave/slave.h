@@ -223,6 +223,8 @@ void slave_done(struct slave *self);
 uint8_t slave_watched_node(const struct slave *self, unsigned i);
 /* 1016h is its owner's to watch: the device reports no heartbeats and does nothing about them. */
 void slave_leave_heartbeats(struct slave *self);
+/* The same for 1028h and emergencies of others. */
+void slave_leave_emergencies(struct slave *self);
 
 /* Whether SDO block transfers are; they are until this says otherwise. */
 void slave_serve_blocks(struct slave *self, bool served);

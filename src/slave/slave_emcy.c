@@ -19,6 +19,12 @@ enum co_err slave_make_hearing(struct slave *self)
     return self->heard != NULL ? CO_OK : CO_ERR_MEMORY;
 }
 
+void slave_leave_emergencies(struct slave *self)
+{
+    self->heard_room = 0;
+    self->heard_count = 0;
+}
+
 void slave_configure_hearing(struct slave *self)
 {
     self->heard_count = 0;

@@ -170,15 +170,20 @@ END_TEST
 
 /* --- written in any case --- */
 
-static const struct object any_case[] = { { 0x2000, 0, 4, 0x4321 }, { 0x6200, 1, 1, 0x55 },
-                                          { 0x2000, 0, 4, 0x77 },   { 0x1011, 1, 4, 0x6C },
-                                          { 0x1F51, 1, 1, 1 },      { .index = 0 } };
+static const struct object any_case[] = { { 0x2000, 0, 4, 0x4321 },     { 0x6200, 1, 1, 0x55 },
+                                          { 0x2000, 0, 4, 0x77 },       { 0x1011, 1, 4, 0x6C },
+                                          { 0x1010, 1, 4, 0x65766173 }, { 0x1F51, 1, 1, 1 },
+                                          { 0x1F80, 0, 4, 4 },          { .index = 0 } };
 
 /* An object written twice (a lock is opened, and closed), commands. */
 START_TEST(test_any_case)
 {
     struct plant *plant = make_plant(VERIFY);
-    const struct object more[] = { { 0x1011, 1, 4, 1 }, { 0x1F51, 1, 1, 1 }, { .index = 0 } };
+    const struct object more[] = { { 0x1011, 1, 4, 1 },
+                                   { 0x1010, 1, 4, 1 },
+                                   { 0x1F51, 1, 1, 1 },
+                                   { 0x1F80, 0, 4, 4 },
+                                   { .index = 0 } };
 
     plant->on_delivered = NULL; /* what is written twice is not there in the end */
     add_objects(plant, io);
@@ -188,8 +193,9 @@ START_TEST(test_any_case)
     set(plant, io_entries);
     plant_lie(plant, "605#23111001", "585#6011100100000000", 1);
     plant_run_ms(plant, 1000);
-    ck_assert_str_eq(plant_talk(plant, 5), " w2000:0=4321 r6200:1 w2000:0=77 w1011:1=6C w1F51:1=1");
-    ck_assert(plant_said(plant, "entries written: 4 of 5, the others were there"));
+    ck_assert_str_eq(plant_talk(plant, 5),
+                     " w2000:0=4321 r6200:1 w2000:0=77 w1011:1=6C w1010:1=6173 w1F51:1=1 r1F80:0");
+    ck_assert(plant_said(plant, "entries written: 5 of 7, the others were there"));
     plant_free(plant);
 }
 END_TEST
@@ -291,6 +297,29 @@ START_TEST(test_sequence)
 }
 END_TEST
 
+/* What differed in one boot is looked at anew in the next one. */
+START_TEST(test_sequence_in_next_boot)
+{
+    struct plant *plant = make_plant(VERIFY);
+    struct od *od = &plant->devices[5]->od;
+
+    plant->on_delivered = NULL; /* an object has several values here */
+    add_objects(plant, pdo);
+    configure(plant, pdo_entries);
+    od_find(od, 0x6200, 1)->mappable = true;
+    plant_power_on(plant);
+    plant_run_ms(plant, 1000);
+    ck_assert(plant_said(plant, "entries written: 9 of 9"));
+    plant->sim.trace_count = 0;
+    ck_assert_int_eq(plant_command(plant, NMT_RESET_COMMUNICATION, 5), CO_OK);
+    plant_run_ms(plant, 100); /* in the boot delay */
+    set(plant, pdo_entries);
+    plant_run_ms(plant, 1000);
+    ck_assert_str_eq(plant_talk(plant, 5), READ_TPDO OTHERS);
+    plant_free(plant);
+}
+END_TEST
+
 /* What else has an order: SYNC, an SDO channel, heartbeat consumers. */
 static const struct object ordered[] = { { 0x1005, 0, 4, 0x80 },       { 0x1006, 0, 4, 0 },
                                          { 0x1019, 0, 1, 10 },         { 0x1006, 0, 4, 1000 },
@@ -374,6 +403,7 @@ int main(void)
     tcase_add_test(tcase, test_any_case);
     tcase_add_loop_test(tcase, test_long_value, 0, 2);
     LOOP(test_sequence, sequences);
+    tcase_add_test(tcase, test_sequence_in_next_boot);
     LOOP(test_ordered, orders);
     tcase_add_test(tcase, test_save);
     return suite_run("verify", tcase);

@@ -1,6 +1,7 @@
 #include "support/loader.h"
 
 #include "base/bytes.h"
+#include "support/watch.h"
 
 #include <check.h>
 #include <stdio.h>
@@ -159,4 +160,18 @@ void loader_make(struct loader *self, const char *node)
 void loader_follow(struct loader *self, uint8_t command)
 {
     self->commands[self->command_count++] = command;
+}
+
+void loader_expect_updated(struct loader *self, const char *what)
+{
+    watch_expect_up(self->plant, what);
+    ck_assert_msg(self->running && self->id == LOADER_NEW, "%s: %s", what, self->plant->events);
+}
+
+void loader_expect_failed(struct loader *self, const char *said)
+{
+    ck_assert_msg(plant_said_times(self->plant, said) == 1, "\"%s\" expected:\n%s", said,
+                  self->plant->events);
+    ck_assert_int_eq(plant_node(self->plant, 5)->step, BOOT_FAILED);
+    ck_assert(!plant_node(self->plant, 5)->booted);
 }

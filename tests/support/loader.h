@@ -11,6 +11,12 @@
 #define LOADER_NEW  0x22u /* ... and should have */
 #define LOADER_SIZE 2000u /* of the program */
 
+/* Elements of a node whose program is to be the new one; and may be replaced. */
+#define LOADER_VERIFY                                                                              \
+    "<NMT_Verify_Software>TRUE</NMT_Verify_Software>"                                              \
+    "<Software_Identification>0x22</Software_Identification>"
+#define LOADER_UPDATE LOADER_VERIFY "<NMT_Allow_Software_Update>TRUE</NMT_Allow_Software_Update>"
+
 /* The boot loader: how it behaves, and how it stands. */
 struct loader {
     struct plant *plant;
@@ -37,5 +43,9 @@ void loader_run_until(struct loader *self, const char *said, unsigned ms);
 void loader_restart(struct loader *self, unsigned ms);
 /* It follows this though it has not answered to it. */
 void loader_follow(struct loader *self, uint8_t command);
+/* It is operational, and has its program and its configuration. */
+void loader_expect_updated(struct loader *self, const char *what);
+/* Its boot has ended, and this was said once. */
+void loader_expect_failed(struct loader *self, const char *said);
 
 #endif

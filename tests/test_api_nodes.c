@@ -124,6 +124,25 @@ START_TEST(the_manager_lets_the_network_start)
 END_TEST
 
 /* A bus that takes a frame each 7 ms or so: the queue is full, and most of it is given up. */
+/* As another tool would have it, and told like its: an event, whose text must not be too long. */
+START_TEST(a_command_through_the_managers_dictionary)
+{
+    static const char *const told = "a tool commands by 1F82h: \"enter pre-operational\" to node 5";
+    char text[MCANOPEN_EVENT_TEXT_SIZE] = "";
+    EVENT_T event;
+
+    boot();
+    ck_assert_int_eq(mcanOpenWriteSDO(0, 127, 0x1F82, 5, TYP_UINT8, "\x7F", 0, NULL), MCANOPEN_OK);
+    api_wire_wait(wire, "000#8005", 1);
+    while (!strstr(text, told)) {
+        ck_assert_int_eq(mcanOpenEvent(&event, 1), MCANOPEN_OK);
+        mcanOpenEventText(&event, text, sizeof text);
+    }
+    ck_assert_int_eq(mcanOpenWriteSDO(0, 127, 0x1F82, 77, TYP_UINT8, "\x04", 0, NULL),
+                     MCAL_ABORT_DOMAIN);
+}
+END_TEST
+
 START_TEST(more_commands_than_the_bus_takes)
 {
     static const char format[] =
@@ -317,6 +336,7 @@ int main(void)
     tcase_add_test(tests, a_reset_is_always_reset_node);
     tcase_add_loop_test(tests, a_command_to_all_nodes, 0, ROWS(broadcasts));
     tcase_add_test(tests, the_manager_lets_the_network_start);
+    tcase_add_test(tests, a_command_through_the_managers_dictionary);
     tcase_add_test(tests, more_commands_than_the_bus_takes);
     tcase_add_test(tests, commands_wait_until_the_network_has_booted);
     tcase_add_test(tests, who_is_not_master_commands_nobody);

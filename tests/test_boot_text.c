@@ -107,9 +107,9 @@ static const struct told {
     { EVENT(SECOND_MASTER, .node = 5, .detail = NMT_ENTER_PREOPERATIONAL), CO_WARNING,
       "another NMT master is on the bus: it commands \"enter pre-operational\" to node 5" },
     { EVENT(NMT_REQUEST, .node = 0, .detail = NMT_STOP), CO_INFO,
-      "another tool commands through this manager (1F82h): \"stop\" to all nodes" },
+      "a tool commands by 1F82h: \"stop\" to all nodes" },
     { EVENT(NMT_REQUEST, .node = 5, .detail = NMT_START), CO_INFO,
-      "another tool commands through this manager (1F82h): \"start\" to node 5" },
+      "a tool commands by 1F82h: \"start\" to node 5" },
     { EVENT(SYNC_MISSING), CO_WARNING, "SYNC is not on the bus: the interface does not send it" },
     { EVENT(REQUEST_DONE, .node = 5), 0, NULL },
 };

@@ -461,7 +461,7 @@ static void add_command(struct text *text, const struct co_event *event)
                   { NMT_RESET_COMMUNICATION, "reset communication" } };
 
     if (event->type == MANAGER_NMT_REQUEST)
-        add(text, "another tool commands through this manager (1F82h): \"");
+        add(text, "a tool commands by 1F82h: \"");
     else
         add(text, "another NMT master is on the bus: it commands \"");
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)

@@ -44,6 +44,13 @@ static void on_delivered(struct plant *plant, const struct co_frame *frame, uint
     memcpy(answer.data, frame->data, sizeof answer.data);
 }
 
+static void watch_answers(struct plant *plant)
+{
+    watch_start(plant);
+    watch = plant->on_delivered;
+    plant->on_delivered = on_delivered;
+}
+
 static struct plant *make_plant(const char *network)
 {
     static const uint8_t nodes[] = { 5, 6, 8, 9 };
@@ -56,9 +63,7 @@ static struct plant *make_plant(const char *network)
         plant_add_object(plant_add_device(plant, nodes[i]), 0x6200, 1, 1, 0);
     plant_configure(plant, 5, 0x6200, 1, 1, 0x55);
     plant_configure(plant, 6, 0x6200, 1, 1, 0x56);
-    watch_start(plant);
-    watch = plant->on_delivered;
-    plant->on_delivered = on_delivered;
+    watch_answers(plant);
     return plant;
 }
 
@@ -198,13 +203,42 @@ START_TEST(test_configuration)
 }
 END_TEST
 
-/* 1028h is the manager's to read; each emergency is told once. */
+/* A node that is only asked for its state, to be left alone where it is operational. */
+START_TEST(test_not_guarded)
+{
+    struct plant *plant = plant_new(
+        PLANT_NODE(5, "<NMT_Check_Nodestate>TRUE</NMT_Check_Nodestate>"), 1000000);
+
+    plant_add_device(plant, 5);
+    plant_lie(plant, "705#R", NULL, 100);
+    watch_answers(plant);
+    plant_power_on(plant);
+    while (plant_sent(plant, "705#R") == 0)
+        plant_run_ms(plant, 1);
+    ck_assert_int_eq(plant_node(plant, 5)->step, BOOT_CHECK_STATE);
+    ck_assert_uint_eq(read_object(plant, 0x1F83, 5), 0);
+    plant_free(plant);
+}
+END_TEST
+
+static unsigned emergencies;
+
+static void count_emergencies(struct plant *plant, const struct co_event *event)
+{
+    (void)plant;
+    emergencies += event->type == MANAGER_EMCY || event->type == SLAVE_EMCY_HEARD;
+}
+
+/* 1028h shows whose are heard; each is told once, by the manager and not by its device. */
 START_TEST(test_emergency)
 {
     struct plant *plant = operational();
 
+    emergencies = 0;
+    plant->on_event = count_emergencies;
     sim_say(&plant->sim, "085#1081110102030405");
     plant_run_ms(plant, 10);
+    ck_assert_uint_eq(emergencies, 1);
     ck_assert_uint_eq(plant_said_times(plant, "emergency 8110h"), 1);
     plant_free(plant);
 }
@@ -227,8 +261,7 @@ START_TEST(test_commands)
     ck_assert_int_eq(state_of(plant, 6), rows[_i].state);
     ck_assert_int_eq(state_of(plant, 5), NMT_OPERATIONAL);
     ck_assert_uint_eq(read_object(plant, 0x1F82, 6), rows[_i].state);
-    snprintf(text, sizeof text, "info: another tool commands through this manager (1F82h): %s",
-             rows[_i].command);
+    snprintf(text, sizeof text, "info: a tool commands by 1F82h: %s", rows[_i].command);
     ck_assert_uint_eq(plant_said_times(plant, text), 1);
     ck_assert_uint_eq(request_nmt(plant, 6, START), 0);
     plant_run_ms(plant, 10);
@@ -246,6 +279,7 @@ START_TEST(test_resets)
     struct plant *plant = operational();
 
     ck_assert_uint_eq(request_nmt(plant, 6, values[_i]), 0);
+    ck_assert_uint_eq(read_object(plant, 0x1F82, 6), 0x00); /* it was there: not missing yet */
     plant_run_ms(plant, 1000);
     ck_assert_uint_eq(plant_sent(plant, commands[_i]), 1);
     ck_assert_uint_eq(plant_sent(plant, "606#2F006201"), 2);
@@ -262,7 +296,7 @@ START_TEST(test_all)
     plant_run_ms(plant, 10);
     ck_assert_uint_eq(plant_sent(plant, "000#0200"), 1);
     ck_assert_int_eq(state_of(plant, 9), NMT_STOPPED);
-    ck_assert(plant_said(plant, "(1F82h): \"stop\" to all nodes"));
+    ck_assert(plant_said(plant, "by 1F82h: \"stop\" to all nodes"));
     ck_assert_uint_eq(request_nmt(plant, ALL, START), 0);
     plant_run_ms(plant, 10);
     ck_assert_uint_eq(plant_sent(plant, "000#0100"), 1);
@@ -282,7 +316,7 @@ START_TEST(test_reset_of_manager)
     plant_run_ms(plant, 1000);
     ck_assert_uint_eq(plant_sent(plant, "000#8100"), 1);
     ck_assert_uint_eq(plant_sent(plant, "77F#00"), 2);
-    ck_assert_uint_eq(plant_said_times(plant, "(1F82h): \"reset node\""), 1);
+    ck_assert_uint_eq(plant_said_times(plant, "by 1F82h: \"reset node\""), 1);
     expect_up(plant);
     plant_free(plant);
 }
@@ -409,6 +443,7 @@ int main(void)
     tcase_add_test(tcase, test_states);
     tcase_add_test(tcase, test_missing);
     tcase_add_test(tcase, test_guarding);
+    tcase_add_test(tcase, test_not_guarded);
     tcase_add_test(tcase, test_configuration);
     tcase_add_test(tcase, test_emergency);
     tcase_add_loop_test(tcase, test_commands, 0, 2);

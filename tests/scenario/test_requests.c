@@ -424,6 +424,29 @@ START_TEST(test_no_room)
 }
 END_TEST
 
+/* The tool has aborted before the manager could look at what it wrote. */
+START_TEST(test_given_up)
+{
+    const struct co_event filler = { .type = MANAGER_NODE_STEP };
+    struct plant *plant = operational();
+    struct co_frame frames[1], request, abort;
+    struct co_event events[1];
+    struct co_outbox full;
+
+    ck_assert(co_frame_parse("67F#2F821F0604000000", &request));
+    ck_assert(co_frame_parse("67F#80821F0600000405", &abort));
+    co_outbox_init(&full, frames, 1, events, 1);
+    co_outbox_put_event(&full, &filler);
+    answer.answered = false;
+    manager_on_frame(plant->manager, &request, plant->sim.now, &full);
+    manager_on_frame(plant->manager, &abort, plant->sim.now, &full);
+    plant_run_ms(plant, 1100);
+    ck_assert(!answer.answered);
+    expect_up(plant);
+    plant_free(plant);
+}
+END_TEST
+
 START_TEST(test_own_states)
 {
     struct plant *plant = operational();
@@ -455,6 +478,7 @@ int main(void)
     tcase_add_test(tcase, test_booting);
     tcase_add_test(tcase, test_no_master);
     tcase_add_test(tcase, test_no_room);
+    tcase_add_test(tcase, test_given_up);
     tcase_add_test(tcase, test_own_states);
     return suite_run("requests", tcase);
 }

@@ -60,6 +60,28 @@ START_TEST(test_append)
 }
 END_TEST
 
+START_TEST(test_lines)
+{
+    struct ccf ccf;
+
+    ccf_init(&ccf);
+    ck_assert_int_eq(ccf_note_line(&ccf, 7), CO_OK); /* there is no entry yet */
+    ck_assert_int_eq(ccf_append(&ccf, 0x2000, 0, NULL, 0), CO_OK);
+    ck_assert_uint_eq(ccf_line(&ccf, 1), 0);
+    for (unsigned i = 2; i <= 40; i++) {
+        ck_assert_int_eq(ccf_append(&ccf, 0x2000, 0, NULL, 0), CO_OK);
+        ck_assert_int_eq(ccf_note_line(&ccf, 100 + i), CO_OK);
+    }
+    ck_assert_uint_eq(ccf_line(&ccf, 0), 0);
+    ck_assert_uint_eq(ccf_line(&ccf, 1), 0);
+    for (unsigned i = 2; i <= 40; i++)
+        ck_assert_uint_eq(ccf_line(&ccf, i), 100 + i);
+    ck_assert_uint_eq(ccf_line(&ccf, 41), 0);
+    ccf_done(&ccf);
+    ck_assert_uint_eq(ccf_line(&ccf, 2), 0);
+}
+END_TEST
+
 START_TEST(test_append_nothing)
 {
     char text[100];
@@ -194,6 +216,7 @@ static Suite *ccf_suite(void)
 
     tcase_add_test(tests, test_empty);
     tcase_add_test(tests, test_append);
+    tcase_add_test(tests, test_lines);
     tcase_add_test(tests, test_append_nothing);
     tcase_add_test(tests, test_append_much);
     tcase_add_test(tests, test_read);

@@ -289,6 +289,25 @@ START_TEST(test_no_node_id)
 }
 END_TEST
 
+/* The line of the value; for what has none of its own, that of its section. */
+START_TEST(test_lines)
+{
+    static const struct dcf_ccf_options options = { .node_id = 5 };
+    static const char file[] = U16("1017", P("500")) RPDO(D("0x205") P("0x206"));
+    struct dcf dcf;
+    struct ccf ccf;
+
+    parse(file, &dcf);
+    ck_assert_int_eq(dcf_make_ccf(&dcf, &options, &messages.report, &ccf), CO_OK);
+    ck_assert_str_eq(format(&ccf), "1017:00 F401\n1400:01 06020080\n1400:01 06020000\n");
+    ck_assert_uint_eq(ccf_line(&ccf, 1), 5);
+    ck_assert_uint_eq(ccf_line(&ccf, 2), 14);
+    ck_assert_uint_eq(ccf_line(&ccf, 3), 14);
+    ccf_done(&ccf);
+    dcf_done(&dcf);
+}
+END_TEST
+
 START_TEST(test_empty_has_its_count)
 {
     struct dcf_ccf_options options = { .node_id = 5 };
@@ -380,6 +399,7 @@ static Suite *dcf_ccf_suite(void)
     tcase_add_loop_test(tests, test_order, 0, sizeof makes / sizeof makes[0]);
     tcase_add_test(tests, test_old_style);
     tcase_add_test(tests, test_no_node_id);
+    tcase_add_test(tests, test_lines);
     tcase_add_test(tests, test_empty_has_its_count);
     tcase_add_loop_test(tests, test_download_file, 0, sizeof downloads / sizeof downloads[0]);
     tcase_add_test(tests, test_download_file_without_reader);

@@ -16,6 +16,7 @@ void ccf_init(struct ccf *self)
 void ccf_done(struct ccf *self)
 {
     free(self->bytes);
+    free(self->lines);
     ccf_init(self);
 }
 
@@ -61,6 +62,41 @@ enum co_err ccf_append(struct ccf *self, uint16_t index, uint8_t sub, const uint
     put_le32(self->bytes, count + 1);
     self->size = start + HEADER_SIZE + size;
     return CO_OK;
+}
+
+/* Cannot overflow: there are fewer lines than bytes of entries, by far. */
+static enum co_err make_room_for_lines(struct ccf *self, size_t count)
+{
+    size_t room = self->line_room < 16 ? 16 : self->line_room;
+    unsigned *lines;
+
+    while (room < count)
+        room *= 2;
+    if (room == self->line_room)
+        return CO_OK;
+    lines = realloc(self->lines, room * sizeof *lines);
+    if (!lines)
+        return CO_ERR_MEMORY;
+    self->lines = lines;
+    self->line_room = room;
+    return CO_OK;
+}
+
+enum co_err ccf_note_line(struct ccf *self, unsigned line)
+{
+    uint32_t count = ccf_count(self);
+
+    if (count == 0 || make_room_for_lines(self, count) != CO_OK)
+        return count == 0 ? CO_OK : CO_ERR_MEMORY;
+    while (self->line_count < count)
+        self->lines[self->line_count++] = 0;
+    self->lines[count - 1] = line;
+    return CO_OK;
+}
+
+unsigned ccf_line(const struct ccf *self, uint32_t number)
+{
+    return number >= 1 && number <= self->line_count ? self->lines[number - 1] : 0;
 }
 
 /* Steps over one entry; what is wrong with it goes to the report. */

@@ -21,6 +21,8 @@ struct ccf { /* owns its bytes: always a whole, valid concise DCF once it holds 
     uint8_t *bytes;
     size_t size;
     size_t room;
+    unsigned *lines; /* of the file that the entries were made from; NULL: not known */
+    size_t line_count, line_room;
 };
 
 struct ccf_entry { /* points into the bytes */
@@ -44,6 +46,11 @@ uint32_t ccf_count(const struct ccf *self);
 /* CO_ERR_MEMORY */
 enum co_err ccf_append(struct ccf *self, uint16_t index, uint8_t sub, const uint8_t *value,
                        uint32_t size);
+
+/* The entry appended last comes from this line. CO_ERR_MEMORY */
+enum co_err ccf_note_line(struct ccf *self, unsigned line);
+/* Of the entry with this number, from 1; 0: not known. */
+unsigned ccf_line(const struct ccf *self, uint32_t number);
 
 /*
  * Takes over a copy of the bytes when they are one whole concise DCF. CO_ERR_FORMAT: truncated or

@@ -23,7 +23,10 @@ const struct dcf_entry *dcf_maker_find(const struct dcf_maker *self, uint16_t in
 static void append(struct dcf_maker *self, const struct dcf_entry *entry, const uint8_t *bytes,
                    uint32_t size)
 {
-    if (ccf_append(&self->ccf, entry->index, entry->sub, bytes, size) != CO_OK)
+    unsigned line = entry->parameter.given ? entry->parameter.line : entry->line;
+
+    if (ccf_append(&self->ccf, entry->index, entry->sub, bytes, size) != CO_OK ||
+        ccf_note_line(&self->ccf, line) != CO_OK)
         self->no_memory = true;
 }
 

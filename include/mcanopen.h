@@ -436,7 +436,7 @@ typedef struct {
     int mandatory; /* 1: NMT_Mandatory_Slave */
     int state;     /* NMT state as in mcanOpenGetNodeState */
     int step;      /* MCANOPEN_STEP_... */
-    char letter;   /* CiA 302-2 status letter of the last try; 'L': was running; 0: none */
+    char letter;   /* CiA 302-2 status letter of the last try; 'L': is running; 0: none */
     char booted;   /* 1: the boot ended well */
     unsigned short index; /* object of the last error or abort; 0: none */
     unsigned short subindex;
@@ -446,6 +446,28 @@ typedef struct {
     unsigned int attempts;  /* boots that failed since the last one that ended well */
     char name[64];          /* <Name> of the node, or "" */
     char text[256];         /* what is missing or went wrong and what to do, one line, or "" */
+    /*
+     * Behind the first version. failed...: the last boot that failed, kept when the node has booted
+     * since, until mcanOpenShutDown; all 0 where none has.
+     */
+    unsigned int failures; /* boots that failed since mcanOpenConfig */
+    int failedStep;        /* MCANOPEN_STEP_... */
+    char failedLetter;     /* CiA 302-2 status letter */
+    char tried;            /* 1: a boot has ended since the network was started, well or not */
+    char keptAlive;        /* 1: found operational and left so (NMT_Check_Nodestate) */
+    char reserved;
+    unsigned short failedIndex;
+    unsigned short failedSubindex;
+    unsigned int failedAbortCode;
+    unsigned int failedExpected;
+    unsigned int failedActual;
+    unsigned int failedEntry; /* of the configuration, from 1, in MCANOPEN_STEP_CONFIGURE; or 0 */
+    unsigned int failedLine;  /* of the DCF file that this entry comes from; 0: not known */
+    unsigned int entries;     /* of the node's configuration */
+    uint64_t failedTime;      /* us of CLOCK_MONOTONIC */
+    uint64_t bootedTime;      /* the last boot that ended well, likewise; 0: none has */
+    char failedText[256];     /* what went wrong and what to do, one line, or "" */
+    char file[128];           /* DCF or CCF file of the node as the XML file has it, or "" */
 } BOOT_RECORD_T;
 
 /*

@@ -160,7 +160,8 @@ OFFSET(EVENT_T, para.write.index, 16, 12);
 OFFSET(EVENT_T, para.write.subindex, 18, 14);
 OFFSET(EVENT_T, para.write.err, 20, 16);
 OFFSET(EVENT_T, para.str, 16, 12);
-SIZE(BOOT_RECORD_T, 360, 360);
+/* It has grown behind 'text', and may grow on: its member 'size' tells what a caller knows. */
+SIZE(BOOT_RECORD_T, 800, 800);
 OFFSET(BOOT_RECORD_T, size, 0, 0);
 OFFSET(BOOT_RECORD_T, mandatory, 4, 4);
 OFFSET(BOOT_RECORD_T, state, 8, 8);
@@ -175,6 +176,24 @@ OFFSET(BOOT_RECORD_T, actual, 32, 32);
 OFFSET(BOOT_RECORD_T, attempts, 36, 36);
 OFFSET(BOOT_RECORD_T, name, 40, 40);
 OFFSET(BOOT_RECORD_T, text, 104, 104);
+OFFSET(BOOT_RECORD_T, failures, 360, 360);
+OFFSET(BOOT_RECORD_T, failedStep, 364, 364);
+OFFSET(BOOT_RECORD_T, failedLetter, 368, 368);
+OFFSET(BOOT_RECORD_T, tried, 369, 369);
+OFFSET(BOOT_RECORD_T, keptAlive, 370, 370);
+OFFSET(BOOT_RECORD_T, reserved, 371, 371);
+OFFSET(BOOT_RECORD_T, failedIndex, 372, 372);
+OFFSET(BOOT_RECORD_T, failedSubindex, 374, 374);
+OFFSET(BOOT_RECORD_T, failedAbortCode, 376, 376);
+OFFSET(BOOT_RECORD_T, failedExpected, 380, 380);
+OFFSET(BOOT_RECORD_T, failedActual, 384, 384);
+OFFSET(BOOT_RECORD_T, failedEntry, 388, 388);
+OFFSET(BOOT_RECORD_T, failedLine, 392, 392);
+OFFSET(BOOT_RECORD_T, entries, 396, 396);
+OFFSET(BOOT_RECORD_T, failedTime, 400, 400);
+OFFSET(BOOT_RECORD_T, bootedTime, 408, 408);
+OFFSET(BOOT_RECORD_T, failedText, 416, 416);
+OFFSET(BOOT_RECORD_T, file, 672, 672);
 
 /* prototypes */
 FUNCTION(mcanOpenInitialize, int, void);

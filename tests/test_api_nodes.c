@@ -1,10 +1,11 @@
 /* State of nodes, NMT commands and boot records. */
 #include "support/api_plant.h"
 #include "support/api_wire.h"
+#include "support/dcf_file.h"
 #include "support/suite.h"
 
+#include <stddef.h>
 #include <stdio.h>
-
 #include <string.h>
 
 #define ROWS(table) (int)(sizeof(table) / sizeof *(table))
@@ -263,6 +264,15 @@ START_TEST(the_record_of_a_node_that_has_booted)
     ck_assert_int_eq(record.booted, 1);
     ck_assert_int_eq(record.letter, 0);
     ck_assert_uint_eq(record.index, 0);
+    ck_assert_int_eq(record.tried, 1);
+    ck_assert_int_eq(record.keptAlive, 0);
+    ck_assert_uint_eq(record.failures, 0);
+    ck_assert_int_eq(record.failedLetter, 0);
+    ck_assert_int_eq(record.failedStep, MCANOPEN_STEP_IDLE);
+    ck_assert_uint_eq(record.failedTime, 0);
+    ck_assert_uint_ne(record.bootedTime, 0);
+    ck_assert_str_eq(record.failedText, "");
+    ck_assert_str_eq(record.file, "");
     ck_assert_str_eq(record.name, "pump");
     ck_assert_str_eq(record.text, "started");
     ck_assert_int_eq(mcanOpenGetBootRecord(0, 6, &record), MCANOPEN_OK);
@@ -303,19 +313,100 @@ START_TEST(the_record_of_a_node_that_aborts)
 }
 END_TEST
 
-/* An application of a later version brings a larger record; one of none, a smaller one. */
+START_TEST(the_record_of_a_node_that_refuses_its_configuration)
+{
+    BOOT_RECORD_T record = { .size = sizeof record };
+
+    api_write(plant, "pump.dcf", OBJECT("2001", VAR("2001", "5", "rw") "ParameterValue=7\n"));
+    api_boot(plant, API_NODE_WITH(5, "<DCF_File>pump.dcf</DCF_File>"));
+    ck_assert_int_eq(mcanOpenGetBootRecord(0, 5, &record), MCANOPEN_OK);
+    ck_assert_int_eq(record.tried, 1);
+    ck_assert_int_eq(record.step, MCANOPEN_STEP_FAILED);
+    ck_assert_uint_eq(record.failures, 1);
+    ck_assert_int_eq(record.failedStep, MCANOPEN_STEP_CONFIGURE);
+    ck_assert_int_eq(record.failedLetter, 'J');
+    ck_assert_uint_eq(record.failedIndex, 0x2001);
+    ck_assert_uint_eq(record.failedSubindex, 0);
+    ck_assert_uint_eq(record.failedAbortCode, 0x06020000);
+    ck_assert_uint_eq(record.failedExpected, 7);
+    ck_assert_uint_eq(record.failedEntry, 1);
+    ck_assert_uint_eq(record.entries, 1);
+    ck_assert_uint_eq(record.failedLine, 50);
+    ck_assert_str_eq(record.file, "pump.dcf");
+    ck_assert_uint_ne(record.failedTime, 0);
+    ck_assert_uint_eq(record.bootedTime, 0);
+    ck_assert_str_eq(record.failedText, record.text);
+    ck_assert_ptr_nonnull(strstr(record.failedText, "(entry 1 of 1 of pump.dcf, line 50)"));
+}
+END_TEST
+
+/* In the morning the node runs: why did it take two attempts? */
+START_TEST(the_record_tells_what_has_failed_before)
+{
+    BOOT_RECORD_T record = { .size = sizeof record };
+
+    api_boot(plant, API_NODE_WITH(7, "<SDO_Timeout>20</SDO_Timeout>"));
+    api_wire_answer(wire, "607#40001000", "587#4300100092010200");
+    api_wait_event(API_EVENT(PARA_UC, MCANOPEN_MSG_NODE_BOOTED), 7);
+    ck_assert_int_eq(mcanOpenGetBootRecord(0, 7, &record), MCANOPEN_OK);
+    ck_assert_int_eq(record.booted, 1);
+    ck_assert_int_eq(record.letter, 0);
+    ck_assert_uint_eq(record.attempts, 0);
+    ck_assert_uint_ge(record.failures, 1);
+    ck_assert_int_eq(record.failedLetter, 'B');
+    ck_assert_int_eq(record.failedStep, MCANOPEN_STEP_DEVICE_TYPE);
+    ck_assert_uint_eq(record.failedIndex, 0x1000);
+    ck_assert_uint_eq(record.failedEntry, 0);
+    ck_assert_uint_eq(record.failedLine, 0);
+    ck_assert_uint_ge(record.bootedTime, record.failedTime + 1000000);
+    ck_assert_ptr_nonnull(strstr(record.failedText, "no answer within 20 ms"));
+}
+END_TEST
+
+START_TEST(the_record_of_a_node_that_is_kept_alive)
+{
+    BOOT_RECORD_T record = { .size = sizeof record };
+
+    api_wire_answer(wire, "607#40001000", "587#4300100092010200");
+    ck_assert_int_eq(mcanOpenInitialize(), MCANOPEN_OK);
+    ck_assert_int_eq(
+        api_config(plant,
+                   API_NODE_WITH(7, "<NMT_Check_Nodestate>TRUE</NMT_Check_Nodestate>"
+                                    "<Consumer_Heartbeat_Time>30000</Consumer_Heartbeat_Time>")),
+        MCANOPEN_OK);
+    mcanOpenStart();
+    api_wait_log(plant, "asks for its state");
+    api_wire_say(wire, "707#05");
+    api_wait_log(plant, "waits for its heartbeat");
+    api_wire_say(wire, "707#05");
+    api_wait_event(API_EVENT(PARA_UC, MCANOPEN_MSG_NODE_BOOTED), 7);
+    ck_assert_int_eq(mcanOpenGetBootRecord(0, 7, &record), MCANOPEN_OK);
+    ck_assert_int_eq(record.keptAlive, 1);
+    ck_assert_int_eq(record.letter, 'L');
+    ck_assert_int_eq(record.booted, 1);
+}
+END_TEST
+
+/* Applications of later versions bring larger records, those of the first one a smaller one. */
 START_TEST(a_record_has_a_size)
 {
     struct {
         BOOT_RECORD_T record;
         char behind[8];
     } larger = { .record = { .size = sizeof larger }, .behind = "behind" };
-    BOOT_RECORD_T small = { .size = sizeof small - 1, .step = -1 };
+    const int first = (int)offsetof(BOOT_RECORD_T, failures);
+    BOOT_RECORD_T small = { .size = first - 1, .step = -1, .failedStep = -1 };
 
     boot();
     ck_assert_int_eq(mcanOpenGetBootRecord(0, 5, NULL), MCAL_PARA_ERROR);
     ck_assert_int_eq(mcanOpenGetBootRecord(0, 5, &small), MCAL_PARA_ERROR);
     ck_assert_int_eq(small.step, -1);
+    small.size = first;
+    ck_assert_int_eq(mcanOpenGetBootRecord(0, 5, &small), MCANOPEN_OK);
+    ck_assert_int_eq(small.size, first);
+    ck_assert_int_eq(small.step, MCANOPEN_STEP_STARTED);
+    ck_assert_str_eq(small.text, "started");
+    ck_assert_int_eq(small.failedStep, -1);
     ck_assert_int_eq(mcanOpenGetBootRecord(0, 5, &larger.record), MCANOPEN_OK);
     ck_assert_int_eq(larger.record.step, MCANOPEN_STEP_STARTED);
     ck_assert_int_eq(larger.record.size, sizeof larger);
@@ -346,6 +437,9 @@ int main(void)
     tcase_add_test(tests, the_record_of_a_node_that_has_booted);
     tcase_add_test(tests, the_record_of_a_wrong_device);
     tcase_add_test(tests, the_record_of_a_node_that_aborts);
+    tcase_add_test(tests, the_record_of_a_node_that_refuses_its_configuration);
+    tcase_add_test(tests, the_record_tells_what_has_failed_before);
+    tcase_add_test(tests, the_record_of_a_node_that_is_kept_alive);
     tcase_add_test(tests, a_record_has_a_size);
     return suite_run("api_nodes", tests);
 }

@@ -246,6 +246,8 @@ START_TEST(test_failure)
     boot_text_node(&node, text, sizeof text);
     snprintf(expected, sizeof expected, "boot error %s", failed->text);
     ck_assert_str_eq(text, expected);
+    boot_text_failure(&nodes[0], &failed->failure, text, sizeof text);
+    ck_assert_str_eq(text, expected);
     node.step = BOOT_RETRY;
     boot_text_node(&node, text, sizeof text);
     snprintf(expected, sizeof expected, "boot error %s; tried 2 times", failed->text);
@@ -254,6 +256,34 @@ START_TEST(test_failure)
     node.step = BOOT_STARTED;
     boot_text_node(&node, text, sizeof text);
     ck_assert_str_eq(text, "started");
+}
+END_TEST
+
+START_TEST(test_no_failure)
+{
+    struct boot_failure none = { .letter = 0 };
+    char text[] = "before";
+
+    boot_text_failure(&nodes[0], &none, text, sizeof text);
+    ck_assert_str_eq(text, "");
+}
+END_TEST
+
+/* Made from a DCF, an entry has a line there. */
+START_TEST(test_line_of_an_entry)
+{
+    struct boot_failure failure = { .letter = 'J',
+                                    .step = BOOT_CONFIGURE,
+                                    .index = 0x2000,
+                                    .entry = 7,
+                                    .size = 1,
+                                    .outcome = SDO_OUTCOME_ABORTED,
+                                    .abort_code = SDO_READ_ONLY };
+    char text[BOOT_TEXT_SIZE];
+
+    ck_assert_int_eq(ccf_note_line(&nodes[0].ccf, 88), CO_OK); /* of the last one */
+    boot_text_failure(&nodes[0], &failure, text, sizeof text);
+    ck_assert_ptr_nonnull(strstr(text, "(entry 7 of 7 of pump.dcf, line 88): the node answers"));
 }
 END_TEST
 
@@ -308,6 +338,8 @@ int main(void)
     tcase_add_loop_test(tcase, test_event, 0, event_count);
     tcase_add_loop_test(tcase, test_event_in_little_room, 0, event_count);
     tcase_add_loop_test(tcase, test_failure, 0, sizeof failures / sizeof failures[0]);
+    tcase_add_test(tcase, test_no_failure);
+    tcase_add_test(tcase, test_line_of_an_entry);
     tcase_add_loop_test(tcase, test_waits, 0, sizeof waits / sizeof waits[0]);
     tcase_add_test(tcase, test_not_ours);
     return suite_run("boot_text", tcase);

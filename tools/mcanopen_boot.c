@@ -174,6 +174,23 @@ static const char *result_name(const BOOT_RECORD_T *record)
     return record->step == MCANOPEN_STEP_FAILED ? "FAILED" : "MISSING";
 }
 
+/* Nodes that have booted, but not at once: somebody may want to know why. */
+static void print_troubles(const struct table *table)
+{
+    bool first = true;
+
+    for (unsigned i = 0; i < table->count; i++) {
+        const BOOT_RECORD_T *record = &table->rows[i].record;
+
+        if (!record->booted || record->failures == 0)
+            continue;
+        printf("%snode %d has booted after %u failed attempt%s, the last one: %s\n",
+               first ? "\n" : "", table->rows[i].node, record->failures,
+               record->failures == 1 ? "" : "s", record->failedText);
+        first = false;
+    }
+}
+
 static void print_table(const struct table *table)
 {
     size_t width = 4;
@@ -192,6 +209,7 @@ static void print_table(const struct table *table)
             printf(": %s", record->text);
         printf("\n");
     }
+    print_troubles(table);
     fflush(stdout);
 }
 

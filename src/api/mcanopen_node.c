@@ -93,12 +93,41 @@ int mcanOpenGetNodeState(int net, int nodeID, int *state)
     return result;
 }
 
+static void fill_history(const struct boot_node *node, BOOT_RECORD_T *record)
+{
+    const struct node_config *config = node->config;
+    const struct boot_failure *last = &node->history.last;
+    const char *file = config->dcf_file ? config->dcf_file : config->ccf_file;
+
+    record->tried = node->tried;
+    record->keptAlive = node->kept_alive;
+    record->entries = ccf_count(&config->ccf);
+    record->failures = node->history.failures;
+    record->failedStep = last->step;
+    record->failedLetter = last->letter;
+    record->failedIndex = last->index;
+    record->failedSubindex = last->sub;
+    record->failedAbortCode = last->abort_code;
+    record->failedExpected = last->expected;
+    record->failedActual = last->actual;
+    if (last->step == BOOT_CONFIGURE) {
+        record->failedEntry = last->entry;
+        record->failedLine = ccf_line(&config->ccf, last->entry);
+    }
+    record->failedTime = node->history.failed_at;
+    record->bootedTime = node->history.booted_at;
+    boot_text_failure(config, last, record->failedText, sizeof record->failedText);
+    if (file)
+        snprintf(record->file, sizeof record->file, "%s", file);
+}
+
 static void fill_record(const struct boot_node *node, BOOT_RECORD_T *record)
 {
     *record = (BOOT_RECORD_T){ .mandatory = node->config->mandatory,
                                .state = node->nmt_state,
                                .step = node->step,
-                               .letter = node->failure.letter,
+                               .letter = node->booted && node->kept_alive ? 'L'
+                                                                          : node->failure.letter,
                                .booted = node->booted,
                                .index = node->failure.index,
                                .subindex = node->failure.sub,
@@ -109,7 +138,11 @@ static void fill_record(const struct boot_node *node, BOOT_RECORD_T *record)
     if (node->config->name)
         snprintf(record->name, sizeof record->name, "%s", node->config->name);
     boot_text_node(node, record->text, sizeof record->text);
+    fill_history(node, record);
 }
+
+/* Applications of the first version end here. */
+#define FIRST_SIZE offsetof(BOOT_RECORD_T, failures)
 
 int mcanOpenGetBootRecord(int net, int nodeID, BOOT_RECORD_T *record)
 {
@@ -118,7 +151,7 @@ int mcanOpenGetBootRecord(int net, int nodeID, BOOT_RECORD_T *record)
     co_us_t now;
     int result;
 
-    if (!record || record->size < (int)sizeof whole || nodeID < 1 || nodeID > (int)NMT_NODE_MAX)
+    if (!record || record->size < (int)FIRST_SIZE || nodeID < 1 || nodeID > (int)NMT_NODE_MAX)
         return MCAL_PARA_ERROR;
     result = registry_enter(net, false, &managed);
     if (result != MCANOPEN_OK)
@@ -132,7 +165,8 @@ int mcanOpenGetBootRecord(int net, int nodeID, BOOT_RECORD_T *record)
     registry_leave();
     if (result == MCANOPEN_OK) {
         whole.size = record->size;
-        *record = whole;
+        memcpy(record, &whole,
+               (size_t)whole.size < sizeof whole ? (size_t)whole.size : sizeof whole);
     }
     return result;
 }

@@ -8,6 +8,7 @@
 #define CO_MANAGER_BOOT_FAILURE_H
 
 #include "base/outbox.h"
+#include "base/time.h"
 #include "od/abort.h"
 
 /* Why the last attempt failed: kept until the node has booted. */
@@ -24,6 +25,13 @@ struct boot_failure {
     uint32_t entry; /* step CONFIGURE: number of the entry, from 1; UPDATE_SOFTWARE: enum
                      * software_phase, and expected has how many ms it was waited for */
     uint8_t size;   /* ... its bytes (255: more); expected has the value of up to 4 */
+};
+
+/* What remains of it when the node has booted, as long as the manager is there. */
+struct boot_history {
+    unsigned failures;            /* attempts that have failed */
+    struct boot_failure last;     /* with letter 0 where none has */
+    co_us_t failed_at, booted_at; /* the last time; 0: never */
 };
 
 bool boot_failure_is_same(const struct boot_failure *a, const struct boot_failure *b);

@@ -62,6 +62,9 @@ void boot_node_fail(struct boot_node *self, const struct boot_failure *failure, 
     bool retry = boot_failure_is_worth_a_retry(failure, ++self->attempts);
 
     self->failure = *failure;
+    self->history.last = *failure;
+    self->history.failures++;
+    self->history.failed_at = now;
     self->tried = true;
     self->booted = false;
     if (failure->letter == 'B') {
@@ -101,7 +104,7 @@ void boot_node_fail_request(struct boot_node *self, char letter, co_us_t now, st
     boot_node_fail(self, &failure, now, out);
 }
 
-static void succeed(struct boot_node *self, struct co_outbox *out)
+static void succeed(struct boot_node *self, co_us_t now, struct co_outbox *out)
 {
     self->tried = true;
     self->booted = true;
@@ -109,6 +112,7 @@ static void succeed(struct boot_node *self, struct co_outbox *out)
     self->attempts = 0;
     self->software.tries = 0;
     self->failure = (struct boot_failure){ .letter = 0 };
+    self->history.booted_at = now;
     self->told = self->failure;
     self->state_known = false; /* of the next boot */
     boot_node_put_event(
@@ -155,7 +159,7 @@ void boot_node_enter_error_control(struct boot_node *self, co_us_t now, struct c
     if (supervision_start(&self->supervision, self->config, now, out, &limit))
         self->deadline = limit;
     else
-        succeed(self, out);
+        succeed(self, now, out);
 }
 
 /* A node to be kept alive is left alone if it is operational. */
@@ -467,7 +471,7 @@ void boot_node_on_error_control(struct boot_node *self, const struct co_frame *f
 void boot_node_on_alive(struct boot_node *self, co_us_t now, struct co_outbox *out)
 {
     if (self->step == BOOT_ERROR_CONTROL)
-        succeed(self, out);
+        succeed(self, now, out);
     else if (self->step == BOOT_CHECK_STATE)
         on_state_known(self, now, out);
 }

@@ -80,6 +80,7 @@ struct boot_node {
     co_us_t deadline;
     unsigned attempts; /* since its last boot, or boot-up message */
     struct boot_failure failure;
+    struct boot_history history;
     struct boot_failure told; /* last failure reported, not to report it again each second */
     struct sdo_request request;
     bool request_due;

@@ -127,11 +127,11 @@ static void add_write_failure(struct text *text, const struct node_config *confi
     else if (failure->entry)
         add(text, " (%u%s bytes)", failure->size, failure->size == UINT8_MAX ? " or more" : "");
     if (failure->entry)
-        add(text, " (entry %u of %u of %s)", failure->entry, ccf_count(&config->ccf),
+        add(text, " (entry %u of %u of %s", failure->entry, ccf_count(&config->ccf),
             file_of(config));
-    else
-        add(text, " \"save\"");
-    add(text, ": ");
+    if (failure->entry && ccf_line(&config->ccf, failure->entry))
+        add(text, ", line %u", ccf_line(&config->ccf, failure->entry));
+    add(text, failure->entry ? "): " : " \"save\": ");
     add_outcome(text, config, failure);
 }
 
@@ -542,6 +542,16 @@ bool boot_text_event(const struct network_config *config, const struct co_event 
     }
     *ret_severity = severity_of(event);
     return add_bad_news(&line, node, event);
+}
+
+void boot_text_failure(const struct node_config *config, const struct boot_failure *failure,
+                       char *text, size_t size)
+{
+    struct text line = { text, size };
+
+    text[0] = '\0';
+    if (failure->letter)
+        add_failure(&line, config, failure);
 }
 
 /* --- state of a node --- */

@@ -24,4 +24,8 @@ bool boot_text_event(const struct network_config *config, const struct co_event 
  */
 void boot_text_node(const struct boot_node *node, char *text, size_t size);
 
+/* What went wrong in an attempt, likewise; "" where nothing has. */
+void boot_text_failure(const struct node_config *config, const struct boot_failure *failure,
+                       char *text, size_t size);
+
 #endif

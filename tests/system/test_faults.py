@@ -145,7 +145,8 @@ class Wrong(FaultTest):
                 sim = self.start_sim("--node", 5, self.write("real.dcf", text))
                 boot = self.boot("--once", "--all", xml, code=NOT_UP)
                 self.assert_said(boot, r"error: node 5: boot error J: write 2000h:00 = 21h "
-                                       rf"\(entry 1 of 1 of five.dcf\): .* abort {code}, \w")
+                                       rf"\(entry 1 of 1 of five.dcf, line \d+\): "
+                                       rf".* abort {code}, \w")
                 self.assert_stopped(sim)
 
     def test_optional(self):
@@ -237,6 +238,9 @@ class Late(FaultTest):
         self.start_sim("--node", 5, self.five)
         self.assertEqual(boot.wait(), UP, boot.story())
         self.assert_said(boot, "network is up: 2 of 2 nodes booted")
+        self.assert_said(boot, r"^node 5 has booted after \d+ failed attempts?, the last one: "
+                               r"boot error B: read 1000h:00 device type: no answer")
+        self.assertNotIn("node 6 has booted after", boot.out.text())
         starts = [frame for frame in dump.end() if frame.startswith("000#01")]
         self.assertEqual(sorted(starts), ["000#0105", "000#0106"])
 

@@ -86,7 +86,7 @@ static enum verify_order read_next_of_sequence(struct verify *self)
 static enum verify_order on_sequence(struct verify *self, const struct ccf_entry *entry,
                                      uint16_t sequence)
 {
-    bool differs = (self->differs[sequence / 8u] >> sequence % 8u & 1u) != 0;
+    bool differs = (self->differs[sequence / 8u] & 1u << sequence % 8u) != 0;
 
     if (!is_first_of(self->ccf, entry, sequence))
         return differs ? VERIFY_WRITE : VERIFY_SKIP;

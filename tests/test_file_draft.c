@@ -224,6 +224,29 @@ START_TEST(what_is_no_file_stays)
 }
 END_TEST
 
+/* It has been replaced: nobody may be told that it has not. */
+START_TEST(a_folder_that_cannot_be_read)
+{
+    enum co_err err;
+
+    ck_assert_int_eq(mkdir("folder", 0777), 0);
+    put("folder/file", OLD);
+    if (geteuid() == 0)
+        ck_assert_int_eq(chown("folder", 65534, (gid_t)-1), 0);
+    ck_assert_int_eq(chmod(folder, 0755), 0);
+    ck_assert_int_eq(chmod("folder/file", 0666), 0);
+    ck_assert_int_eq(chmod("folder", 0300), 0);
+    if (geteuid() == 0)
+        ck_assert_int_eq(seteuid(65534), 0);
+    err = replace("folder/file", NEW);
+    ck_assert_int_eq(seteuid(getuid()), 0);
+    ck_assert_int_eq(chmod("folder", 0700), 0);
+    ck_assert_int_eq(err, CO_OK);
+    ck_assert_str_eq(content("folder/file"), NEW);
+    ck_assert(!is_there("folder/file~"));
+}
+END_TEST
+
 START_TEST(each_call_fails_once)
 {
     enum co_err err;
@@ -277,6 +300,7 @@ int main(void)
     tcase_add_test(tcase, one_at_a_time);
     tcase_add_test(tcase, a_link_stays);
     tcase_add_test(tcase, what_is_no_file_stays);
+    tcase_add_test(tcase, a_folder_that_cannot_be_read);
     tcase_add_loop_test(tcase, each_call_fails_once, 0, CALLS);
     tcase_add_loop_test(tcase, it_ends_at_each_call, 0, CALLS);
     return suite_run("file_draft", tcase);

@@ -242,6 +242,33 @@ START_TEST(more_pdos_than_the_queue_holds)
 }
 END_TEST
 
+/* What was lost until then is nothing to the node that is on the bus again. */
+START_TEST(pdos_lost_before_the_node_goes_offline)
+{
+    const uint16_t mapping[] = { 0x2000, 0, 0, 0 };
+    SLAVE_NODE_INFO info = scan_info();
+
+    ck_assert_int_eq(canOpenDeleteNode(node), SCANOPEN_OK);
+    info.usPdoRxQueueSize = 1;
+    node = scan_node(plant, 5, &info);
+    scan_number(node, 0x2000, TYP_UINT8, BOTH | MAPPABLE, 1, on_blocked);
+    define(DEFAULT_PDO1, RECEIVE_PDO | AUTO_NOTIFY_PDO | 255, 0, mapping);
+    go();
+    pthread_mutex_lock(&gate);
+    scan_send(plant, "205#01");
+    scan_await_note("0/5 2000:00 blocked 1");
+    for (unsigned i = 0; i < 4; i++)
+        scan_send(plant, "205#02");
+    scan_expect_nothing_more(plant, node);
+    ck_assert_int_eq(canOpenResetNode(node), SCANOPEN_OK);
+    pthread_mutex_unlock(&gate);
+    go();
+    scan_send(plant, "205#03");
+    scan_await_note("0/5 2000:00 blocked 1");
+    scan_expect_nothing_more(plant, node);
+}
+END_TEST
+
 /* A client that gives up, and begins anew. */
 START_TEST(a_client_that_aborts_meanwhile)
 {
@@ -455,6 +482,7 @@ static void add_tests(TCase *tcase)
     tcase_add_test(tcase, a_handler_of_a_time);
     tcase_add_test(tcase, a_handler_that_blocks);
     tcase_add_test(tcase, more_pdos_than_the_queue_holds);
+    tcase_add_test(tcase, pdos_lost_before_the_node_goes_offline);
     tcase_add_test(tcase, a_client_that_aborts_meanwhile);
     tcase_add_test(tcase, a_node_that_is_reset_while_its_handler_runs);
     tcase_add_test(tcase, a_node_that_is_deleted_while_its_handler_runs);

@@ -133,17 +133,26 @@ enum co_err file_draft_write(struct file_draft *self, const char *path, const vo
     return err;
 }
 
-/* The name, too, is to outlive a power cut. */
-static bool sync_folder(const char *path)
+static int open_folder(const char *path)
 {
     const char *slash = strrchr(path, '/');
     char *folder = slash ? strndup(path, (size_t)(slash - path) + 1) : strdup(".");
     const int file = folder ? open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
-    const bool good = file >= 0 && fsync(file) == 0;
 
-    if (file >= 0)
-        close(file);
     free(folder);
+    return file;
+}
+
+/* The name, too, is to outlive a power cut; of a folder that nobody may read, with all else. */
+static bool sync_name(const struct file_draft *self)
+{
+    const int folder = open_folder(self->path);
+    bool good;
+
+    if (folder < 0)
+        return syncfs(self->file) == 0;
+    good = fsync(folder) == 0;
+    close(folder);
     return good;
 }
 
@@ -155,7 +164,7 @@ enum co_err file_draft_take(struct file_draft *self)
         file_draft_drop(self);
         return CO_ERR_IO;
     }
-    good = sync_folder(self->path);
+    good = sync_name(self);
     close(self->file);
     free_names(self);
     return good ? CO_OK : CO_ERR_IO;

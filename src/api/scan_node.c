@@ -214,7 +214,7 @@ static void deactivate(struct scan_node *node)
     od_reset(&node->od, 0, UINT16_MAX);
     scan_end_texts(node);
     scan_count_maps(node);
-    node->received_count = 0;
+    node->received_count = node->received_lost = 0;
     for (unsigned i = 0; i < node->question_count; i++)
         node->questions[i].pending = false;
     for (unsigned i = 0; i < node->tpdo_count; i++)

@@ -1,7 +1,8 @@
 /*
  * The binary interface, frozen: values, sizes, offsets and prototypes of the public headers, by
  * abi.c (manager) and abi_slave.c. They are compiled, not run; with 64 and with 32 bits. A line
- * there changes only together with the SONAME.
+ * there changes only together with the SONAME; only a structure whose first
+ * member is its size may grow at its end without.
  */
 #ifndef TESTS_ABI_H
 #define TESTS_ABI_H

@@ -57,5 +57,7 @@ void error_control_on_alive(struct manager *self, uint8_t node, co_us_t now);
 /* command.c: what manager_command() does, without what follows from it. */
 enum co_err command_execute(struct manager *self, enum nmt_command command, uint8_t node,
                             co_us_t now);
+/* The master would execute a command to itself now, or one to reset all nodes. */
+bool command_self_is_allowed(const struct manager *self, enum nmt_command command);
 
 #endif

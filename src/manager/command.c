@@ -11,17 +11,22 @@ static bool is_reset(enum nmt_command command)
     return command == NMT_RESET_NODE || command == NMT_RESET_COMMUNICATION;
 }
 
+bool command_self_is_allowed(const struct manager *self, enum nmt_command command)
+{
+    if (self->bus_lost)
+        return false;
+    return is_reset(command) ? self->state != NETWORK_OFF : !is_booting(self);
+}
+
 static enum co_err command_self(struct manager *self, enum nmt_command command, co_us_t now)
 {
-    if (self->state == NETWORK_OFF)
+    if (!command_self_is_allowed(self, command))
         return CO_ERR_STATE;
     if (is_reset(command)) {
         slave_command(&self->device, command, now, &self->inner);
         boot_network_begin(self, command, now);
         return CO_OK;
     }
-    if (is_booting(self))
-        return CO_ERR_STATE;
     if (command == NMT_START && self->state != NETWORK_OPERATIONAL) {
         boot_network_go(self, now);
     } else if (command != NMT_START) {

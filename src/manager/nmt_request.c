@@ -82,11 +82,14 @@ static sdo_abort_t execute(struct manager *self, enum nmt_command command, uint8
     return SDO_OK;
 }
 
-/* A reset of the manager ends the transfer: what is always accepted is answered before. */
-static bool resets_manager(const struct manager *self, enum nmt_command command, uint8_t node)
+/* A reset of the manager, or its stop, ends the transfer: that is answered before it is done. */
+static bool ends_transfer(const struct manager *self, enum nmt_command command, uint8_t node)
 {
-    return (command == NMT_RESET_NODE || command == NMT_RESET_COMMUNICATION) &&
-           (node == NMT_ALL_NODES || node == self->config->manager_node_id);
+    const bool is_reset = command == NMT_RESET_NODE || command == NMT_RESET_COMMUNICATION;
+
+    if (node == self->config->manager_node_id)
+        return is_reset || command == NMT_STOP;
+    return is_reset && node == NMT_ALL_NODES;
 }
 
 void nmt_request_on_write(struct manager *self, const struct co_event *event, co_us_t now)
@@ -104,9 +107,11 @@ void nmt_request_on_write(struct manager *self, const struct co_event *event, co
         code = SDO_LOCAL_CONTROL;
     else if (!parse_command(slave_received(&self->device, transfer)[0], &command))
         code = SDO_INVALID_VALUE;
-    else if (!resets_manager(self, command, node))
+    else if (!ends_transfer(self, command, node))
         code = execute(self, command, node, now);
+    else if (!command_self_is_allowed(self, command))
+        code = SDO_DEVICE_STATE;
     slave_verdict(&self->device, transfer, code, now, &self->inner);
-    if (code == SDO_OK && resets_manager(self, command, node))
+    if (code == SDO_OK && ends_transfer(self, command, node))
         execute(self, command, node, now);
 }

@@ -377,6 +377,7 @@ START_TEST(test_booting)
     ck_assert_int_eq(plant->manager->state, NETWORK_BOOTING);
     ck_assert_uint_eq(request_nmt(plant, ALL, START), 0x08000022);
     ck_assert_uint_eq(request_nmt(plant, SELF, START), 0x08000022);
+    ck_assert_uint_eq(request_nmt(plant, SELF, STOP), 0x08000022);
     ck_assert_uint_eq(request_nmt(plant, 6, START), 0x08000022);
     ck_assert_uint_eq(request_nmt(plant, 5, STOP), 0x08000022);
     ck_assert_uint_eq(read_object(plant, 0x1F82, 6), 0x7F);
@@ -459,6 +460,19 @@ START_TEST(test_own_states)
 }
 END_TEST
 
+/* In the state in which it has no SDO server any more it cannot answer. */
+START_TEST(test_own_stop)
+{
+    struct plant *plant = operational();
+
+    ck_assert_uint_eq(request_nmt(plant, SELF, STOP), 0);
+    plant_run_ms(plant, 1);
+    ck_assert_int_eq(plant->manager->device.state, NMT_STOPPED);
+    ck_assert(plant_said(plant, "by 1F82h: \"stop\" to node 127"));
+    plant_free(plant);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tcase = tcase_create("requests");
@@ -480,5 +494,6 @@ int main(void)
     tcase_add_test(tcase, test_no_room);
     tcase_add_test(tcase, test_given_up);
     tcase_add_test(tcase, test_own_states);
+    tcase_add_test(tcase, test_own_stop);
     return suite_run("requests", tcase);
 }

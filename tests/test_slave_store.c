@@ -321,6 +321,30 @@ START_TEST(half_restored_is_not_verified)
 }
 END_TEST
 
+/* A description may make 1020h a string: there is no 0 for that. */
+START_TEST(a_text_is_no_verification)
+{
+    static const struct device_entry with_text[] = {
+        { 0x1010, 4, OD_UNSIGNED32, OD_RW, 1, false },
+        { 0x1020, 1, OD_VISIBLE_STRING, OD_RW, 0, false },
+        { 0x2000, 0, OD_UNSIGNED16, OD_RW, 20, false },
+        { 0x6000, 0, OD_UNSIGNED16, OD_RW, 60, false },
+        { 0 },
+    };
+    uint8_t text[12] = "ABCDEFGHIJK";
+
+    device_done(&device);
+    device_init(&device, with_text);
+    ck_assert_int_eq(od_refer(od_find(&device.od, 0x1020, 1), text, sizeof text, sizeof text, true),
+                     CO_OK);
+    device_start(&device);
+    put(0x6000, 0, 2, 5);
+    put(0x1010, 4, 4, SAVE);
+    reset(RESET_NODE);
+    ck_assert_str_eq((const char *)od_find(&device.od, 0x1020, 1)->value, "ABCDEFGHIJK");
+}
+END_TEST
+
 START_TEST(half_saved_is_not_verified)
 {
     change_all();
@@ -445,6 +469,7 @@ static Suite *make_suite(void)
     tcase_add_test(tcase, a_refused_write_does_not_end_verification);
     tcase_add_test(tcase, half_restored_is_not_verified);
     tcase_add_test(tcase, half_saved_is_not_verified);
+    tcase_add_test(tcase, a_text_is_no_verification);
     tcase_add_test(tcase, loaded_is_not_verified);
     tcase_add_test(tcase, values_of_the_device_are_not_saved);
     tcase_add_test(tcase, domains_are_not_saved);

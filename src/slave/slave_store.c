@@ -95,7 +95,8 @@ static struct effect effect_of(const struct slave *self, bool save, enum group g
 
 static bool becomes_unverified(const struct effect *effect, const struct od_entry *entry)
 {
-    return effect->unverified && entry->index == VERIFY_CONFIGURATION && entry->sub != 0;
+    return effect->unverified && entry->index == VERIFY_CONFIGURATION && entry->sub != 0 &&
+           od_type_size(entry->type) != 0;
 }
 
 static struct od_value value_after(const struct effect *effect, const struct od_entry *entry)

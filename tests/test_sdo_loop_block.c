@@ -172,6 +172,22 @@ START_TEST(test_without_blocks)
 }
 END_TEST
 
+/* Where a transfer of almost 4 GiB ends, what its segments would reach is no 32-bit number. */
+START_TEST(test_end_of_the_largest)
+{
+    static const uint8_t bytes[16];
+    struct block_sender sender;
+
+    block_sender_init(&sender, bytes, UINT32_MAX - 1, false);
+    sender.position = sender.size - 8; /* a segment, and a byte */
+    ck_assert_uint_eq(block_sender_begin(&sender, SDO_BLOCK_MAX), SDO_OK);
+    sender.sent = 1;
+    ck_assert(block_sender_has_segment(&sender));
+    sender.sent = 2;
+    ck_assert(!block_sender_has_segment(&sender));
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("sdo_loop_block");
@@ -185,6 +201,7 @@ int main(void)
     tcase_add_loop_test(tcase, test_each_frame_lost, 0, 10);
     tcase_add_loop_test(tcase, test_changing_sizes, 0, 8);
     tcase_add_test(tcase, test_without_blocks);
+    tcase_add_test(tcase, test_end_of_the_largest);
     suite_add_tcase(suite, tcase);
     srunner_run_all(runner, CK_NORMAL);
     failed = srunner_ntests_failed(runner);

@@ -25,7 +25,7 @@ sdo_abort_t block_sender_begin(struct block_sender *self, uint8_t limit)
 /* Nothing at all goes in one empty segment. */
 static bool is_beyond_end(const struct block_sender *self, unsigned segments)
 {
-    return segments > 0 && self->position + segments * SDO_SEGMENT_SIZE >= self->size;
+    return segments > 0 && segments * SDO_SEGMENT_SIZE >= self->size - self->position;
 }
 
 bool block_sender_has_segment(const struct block_sender *self)

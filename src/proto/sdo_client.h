@@ -78,12 +78,10 @@ struct sdo_transfer {
 
 struct sdo_client {
     uint8_t node;
-    unsigned
-        reserve;   /* set by the owner: room for frames that segments of a block leave to others */
-    uint8_t state; /* enum sdo_client_state */
-    bool unsent;   /* a request is due, or segments are, that found no room in the outbox */
-    bool on_wire;  /* the last request was confirmed; the time-out runs */
-    bool toggle;   /* bit of the segment asked for, or sent, last */
+    uint8_t state;       /* enum sdo_client_state */
+    bool unsent;         /* a request is due, or segments are, that found no room in the outbox */
+    bool on_wire;        /* the last request was confirmed; the time-out runs */
+    bool toggle;         /* bit of the segment asked for, or sent, last */
     bool owes_segment;   /* the transfer before ended without the answer to its last segment */
     bool in_blocks;      /* asked for, and not refused so far */
     sdo_abort_t refusal; /* of blocks; the transfer goes on without */
@@ -93,8 +91,6 @@ struct sdo_client {
         struct block_sender sender;
         struct block_receiver receiver;
     };
-    uint8_t
-        on_wire_up_to;  /* block download: number of the last segment that is known to be there */
     uint32_t position;  /* bytes transferred */
     uint32_t announced; /* size the server indicated in an upload; UINT32_MAX: none */
     uint8_t last_size;  /* data bytes in the segment sent last */

@@ -3,6 +3,7 @@
 #include "support/scan_plant.h"
 #include "support/suite.h"
 
+#include <pthread.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -157,6 +158,34 @@ START_TEST(files_that_are_none)
 }
 END_TEST
 
+static void *remove_none(void *unused)
+{
+    (void)unused;
+    ck_assert_int_eq(canOpenRemoveNetwork(200), SCANOPEN_WRONG_PARAMETER);
+    return NULL;
+}
+
+static void on_log_elsewhere(void *context, int level, const char *text)
+{
+    pthread_t thread;
+
+    ck_assert_int_eq(pthread_create(&thread, NULL, remove_none, NULL), 0);
+    ck_assert_int_eq(pthread_join(thread, NULL), 0);
+    on_log(context, level, text);
+}
+
+/* Under no lock: another thread may make and remove meanwhile. */
+START_TEST(a_log_hook_that_waits_for_another_thread)
+{
+    HNODE node = NULL;
+
+    mcanOpenSetLog(on_log_elsewhere, NULL);
+    ck_assert_int_eq(canOpenCreateNodeFromFile(0, 5, NULL, NO_EDS, NULL, &node),
+                     SCANOPEN_WRONG_PARAMETER);
+    ck_assert_ptr_nonnull(strstr(log_text, "vcan.txt"));
+}
+END_TEST
+
 START_TEST(wrong_arguments)
 {
     HNODE node = make(NULL), other = NULL;
@@ -203,6 +232,7 @@ int main(void)
     tcase_add_test(tcase, handles_of_its_pdos);
     tcase_add_test(tcase, what_the_info_may_say);
     tcase_add_test(tcase, files_that_are_none);
+    tcase_add_test(tcase, a_log_hook_that_waits_for_another_thread);
     tcase_add_test(tcase, wrong_arguments);
     tcase_add_test(tcase, whatever_bit_rate_the_interface_has);
     return suite_run("scan_file", tcase);

@@ -6,6 +6,8 @@
 #include <pthread.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 static struct {
     pthread_mutex_t lock;
@@ -14,6 +16,14 @@ static struct {
 } hook_slot = { .lock = PTHREAD_MUTEX_INITIALIZER };
 
 static _Thread_local bool in_hook;
+
+/* Messages for later: severity and text, each with a NUL. */
+static _Thread_local struct {
+    bool wanted;
+    FILE *stream; /* NULL: none yet, or no memory */
+    char *messages;
+    size_t size;
+} kept;
 
 int mcanOpenSetLog(MCANOPEN_LOG_T hook, void *context)
 {
@@ -39,7 +49,7 @@ static int level_of(enum co_severity severity)
     return MCANOPEN_LOG_ERROR;
 }
 
-void log_put(enum co_severity severity, const char *text)
+static void tell(enum co_severity severity, const char *text)
 {
     MCANOPEN_LOG_T hook;
     void *context;
@@ -57,6 +67,45 @@ void log_put(enum co_severity severity, const char *text)
     } else if (severity != CO_INFO) {
         fprintf(stderr, "%s\n", text);
     }
+}
+
+/* Without memory it cannot wait for the hook. */
+static void keep(enum co_severity severity, const char *text)
+{
+    if (!kept.stream)
+        kept.stream = open_memstream(&kept.messages, &kept.size);
+    if (kept.stream)
+        fprintf(kept.stream, "%c%s%c", '0' + (int)severity, text, 0);
+    else
+        fprintf(stderr, "%s\n", text);
+}
+
+void log_put(enum co_severity severity, const char *text)
+{
+    if (kept.wanted)
+        keep(severity, text);
+    else
+        tell(severity, text);
+}
+
+void log_keep(void)
+{
+    kept.wanted = true;
+}
+
+void log_release(void)
+{
+    char *messages;
+
+    kept.wanted = false;
+    if (!kept.stream)
+        return;
+    fclose(kept.stream);
+    kept.stream = NULL;
+    messages = kept.messages;
+    for (size_t i = 0; i < kept.size; i += strlen(messages + i) + 1)
+        tell((enum co_severity)(messages[i] - '0'), messages + i + 1);
+    free(messages);
 }
 
 void log_sink(void *context, enum co_severity severity, const char *text)

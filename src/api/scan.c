@@ -1,5 +1,7 @@
 #include "api/scan.h"
 
+#include "api/log.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -316,9 +318,11 @@ void scan_set_net(int number, struct scan_net *net)
 void scan_begin_change(void)
 {
     pthread_mutex_lock(&scan.change);
+    log_keep();
 }
 
 void scan_end_change(void)
 {
     pthread_mutex_unlock(&scan.change);
+    log_release();
 }

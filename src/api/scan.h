@@ -201,7 +201,7 @@ void scan_each_node(const struct scan_net *net,
 /* NULL: not created. Stays as long as no call removes the network, which needs the change lock. */
 struct scan_net *scan_net(int number);
 void scan_set_net(int number, struct scan_net *net);
-/* Calls that make or delete come one at a time. */
+/* Calls that make or delete come one at a time; their messages are told at the end. */
 void scan_begin_change(void);
 void scan_end_change(void);
 

@@ -269,18 +269,6 @@ static int read_kept(const char *path, struct kept *kept)
     return kept->file ? read_image(path, &kept->image) : SCANOPEN_OUT_OF_MEMORY;
 }
 
-/* Messages that come under a lock, for later: severity and text, each with a NUL. */
-static void keep_message(void *context, enum co_severity severity, const char *text)
-{
-    fprintf(context, "%c%s%c", '0' + (int)severity, text, 0);
-}
-
-static void log_messages(const char *messages, size_t size)
-{
-    for (size_t i = 0; i < size; i += strlen(messages + i) + 1)
-        log_put((enum co_severity)(messages[i] - '0'), messages + i + 1);
-}
-
 static int check_node(struct scan_node *node, const char *path)
 {
     int result = SCANOPEN_OK;
@@ -310,22 +298,15 @@ static int take_kept(struct scan_node *node, struct kept *kept, struct co_report
     return SCANOPEN_OK;
 }
 
+/* Between scan_begin_change() and scan_end_change(): the messages wait for that. */
 static int set_kept(struct scan_node *node, const char *path, struct kept *kept)
 {
-    char *messages = NULL;
-    size_t size = 0;
-    FILE *stream = open_memstream(&messages, &size);
-    struct co_report report = { .file = path, .sink = keep_message, .context = stream };
+    struct co_report report = { .file = path, .sink = log_sink };
     int result;
 
-    if (!stream)
-        return SCANOPEN_OUT_OF_MEMORY;
     network_hold(node->net->network);
     result = take_kept(node, kept, &report);
     network_release(node->net->network);
-    fclose(stream);
-    log_messages(messages, size);
-    free(messages);
     return result;
 }
 

@@ -38,9 +38,10 @@ static const struct device_entry entries[] = {
 
 static struct device device;
 
-#define SAVE       0x65766173u
-#define LOAD       0x64616F6Cu
-#define RESET_NODE "000#8105"
+#define SAVE                0x65766173u
+#define LOAD                0x64616F6Cu
+#define RESET_NODE          "000#8105"
+#define RESET_COMMUNICATION "000#8205"
 
 static void setup(void)
 {
@@ -255,6 +256,30 @@ START_TEST(reset_meanwhile)
 }
 END_TEST
 
+/* What is saved is verified; what was written, or reset, meanwhile is another configuration. */
+START_TEST(change_meanwhile_is_not_verified)
+{
+    struct slave_transfer transfer;
+    struct slave_store store;
+
+    change_all();
+    verify(1, 2);
+    transfer = order(0x1010, 1);
+    begin(transfer, &store);
+    if (_i == 1)
+        put(0x2000, 0, 2, 5);
+    if (_i == 2)
+        reset(RESET_NODE);
+    finish(transfer, &store);
+    reset(RESET_COMMUNICATION);
+    ck_assert_uint_eq(device_value(&device, 0x1020, 1), _i == 0 ? 1 : 0);
+    ck_assert_uint_eq(device_value(&device, 0x1020, 2), _i == 0 ? 2 : 0);
+    reset(RESET_NODE);
+    expect("as in the image", 1111, 2222, 6666);
+    ck_assert_uint_eq(device_value(&device, 0x1020, 1), 1);
+}
+END_TEST
+
 START_TEST(given_up)
 {
     struct slave_transfer transfer;
@@ -396,6 +421,7 @@ int main(void)
     tcase_add_test(tcase, image_of_a_save_after_a_load);
     tcase_add_test(tcase, changes_meanwhile);
     tcase_add_test(tcase, reset_meanwhile);
+    tcase_add_loop_test(tcase, change_meanwhile_is_not_verified, 0, 3);
     tcase_add_test(tcase, given_up);
     tcase_add_test(tcase, the_client_waits);
     tcase_add_test(tcase, what_does_not_fit);

@@ -198,6 +198,7 @@ struct slave {
     unsigned heard_dropped;   /* the outbox had no room */
     uint8_t load;             /* bit n: 1011:n "load" waits for the reset */
     bool application_changed; /* objects from 2000h on differ from the power-on values */
+    unsigned changes;         /* counts what clients, and resets, do to these */
 
     struct slave_pdos *pdos;
     bool accept_long; /* the owner's: of RPDOs that are too long the first bytes count */

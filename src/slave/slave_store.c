@@ -154,7 +154,9 @@ static enum co_err prepare(const struct slave *self, bool save, enum group group
 {
     const struct effect effect = effect_of(self, save, group);
 
-    *ret_store = (struct slave_store){ .save = save, .group = (uint8_t)group };
+    *ret_store = (struct slave_store){ .save = save,
+                                       .group = (uint8_t)group,
+                                       .changes = self->changes };
     od_plan_init(&ret_store->plan);
     ccf_init(&ret_store->image);
     return make_plan(self, &effect, &ret_store->plan);
@@ -166,12 +168,21 @@ void slave_free_store(struct slave_store *store)
     ccf_done(&store->image);
 }
 
+/* What is there now need not be what was stored: it may have changed since it was prepared. */
+static void note_stored(struct slave *self, const struct slave_store *store)
+{
+    if (store->changes != self->changes)
+        self->application_changed = true;
+    else if (store->group == GROUP_ALL)
+        self->application_changed = false;
+}
+
 void slave_end_store(struct slave *self, struct slave_store *store)
 {
     self->load = (uint8_t)load_after(self, store->save, (enum group)store->group);
     od_plan_commit(&store->plan);
-    if (store->save && store->group == GROUP_ALL)
-        self->application_changed = false;
+    if (store->save)
+        note_stored(self, store);
 }
 
 /* ---- commands ---- */
@@ -241,8 +252,10 @@ void slave_note_change(struct slave *self, const struct slave_write *write)
                                                    (struct od_value){ write->value, write->size }))
         return;
     end_verification(self);
-    if (entry->index > LAST_COMMUNICATION_OBJECT)
-        self->application_changed = true;
+    if (entry->index <= LAST_COMMUNICATION_OBJECT)
+        return;
+    self->application_changed = true;
+    self->changes++;
 }
 
 /* ---- resets ---- */
@@ -276,6 +289,7 @@ void slave_reset_objects(struct slave *self, bool application)
     if (application) {
         od_reset(self->od, LAST_COMMUNICATION_OBJECT + 1, 0xFFFF);
         self->application_changed = false;
+        self->changes++;
     }
     od_reset(self->od, 0x1000, LAST_COMMUNICATION_OBJECT);
     if (self->application_changed)

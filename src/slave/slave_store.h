@@ -31,6 +31,7 @@ struct slave_store {
     bool save;           /* or load */
     uint8_t group;       /* sub-index of the groups that CiA 301 names: 1..4 */
     struct od_plan plan; /* "save": the new power-on values */
+    unsigned changes;    /* of the device, up to then */
     struct ccf image;
 };
 

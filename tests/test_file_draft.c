@@ -224,6 +224,26 @@ START_TEST(what_is_no_file_stays)
 }
 END_TEST
 
+/* Root may do all. */
+static void become_nobody(void)
+{
+    ck_assert_int_eq(chmod(folder, 0755), 0);
+    if (geteuid() == 0)
+        ck_assert_int_eq(seteuid(65534), 0);
+}
+
+static void become_root(void)
+{
+    ck_assert_int_eq(seteuid(getuid()), 0);
+}
+
+static void give_away(const char *name, mode_t mode)
+{
+    if (geteuid() == 0)
+        ck_assert_int_eq(chown(name, 65534, (gid_t)-1), 0);
+    ck_assert_int_eq(chmod(name, mode), 0);
+}
+
 /* It has been replaced: nobody may be told that it has not. */
 START_TEST(a_folder_that_cannot_be_read)
 {
@@ -231,17 +251,38 @@ START_TEST(a_folder_that_cannot_be_read)
 
     ck_assert_int_eq(mkdir("folder", 0777), 0);
     put("folder/file", OLD);
-    if (geteuid() == 0)
-        ck_assert_int_eq(chown("folder", 65534, (gid_t)-1), 0);
-    ck_assert_int_eq(chmod(folder, 0755), 0);
-    ck_assert_int_eq(chmod("folder/file", 0666), 0);
-    ck_assert_int_eq(chmod("folder", 0300), 0);
-    if (geteuid() == 0)
-        ck_assert_int_eq(seteuid(65534), 0);
+    give_away("folder/file", 0666);
+    give_away("folder", 0300);
+    become_nobody();
     err = replace("folder/file", NEW);
-    ck_assert_int_eq(seteuid(getuid()), 0);
+    become_root();
     ck_assert_int_eq(chmod("folder", 0700), 0);
     ck_assert_int_eq(err, CO_OK);
+    ck_assert_str_eq(content("folder/file"), NEW);
+    ck_assert(!is_there("folder/file~"));
+}
+END_TEST
+
+/* With the mode of a file that is read only: in the way only while it is used. */
+START_TEST(a_draft_that_cannot_be_written)
+{
+    struct file_draft draft;
+    enum co_err first, meanwhile, next;
+
+    ck_assert_int_eq(mkdir("folder", 0777), 0);
+    put("folder/file", OLD);
+    put("folder/file~", "left");
+    give_away("folder/file", 0444);
+    give_away("folder/file~", 0444);
+    give_away("folder", 0700);
+    become_nobody();
+    first = file_draft_write(&draft, "folder/file", NEW, strlen(NEW));
+    meanwhile = first == CO_OK ? replace("folder/file", "other") : first;
+    next = first == CO_OK ? file_draft_take(&draft) : first;
+    become_root();
+    ck_assert_int_eq(first, CO_OK);
+    ck_assert_int_eq(meanwhile, CO_ERR_AGAIN);
+    ck_assert_int_eq(next, CO_OK);
     ck_assert_str_eq(content("folder/file"), NEW);
     ck_assert(!is_there("folder/file~"));
 }
@@ -301,6 +342,7 @@ int main(void)
     tcase_add_test(tcase, a_link_stays);
     tcase_add_test(tcase, what_is_no_file_stays);
     tcase_add_test(tcase, a_folder_that_cannot_be_read);
+    tcase_add_test(tcase, a_draft_that_cannot_be_written);
     tcase_add_loop_test(tcase, each_call_fails_once, 0, CALLS);
     tcase_add_loop_test(tcase, it_ends_at_each_call, 0, CALLS);
     return suite_run("file_draft", tcase);

@@ -62,18 +62,43 @@ static bool lock_file(struct file_draft *self)
     return false;
 }
 
-static enum co_err open_draft(struct file_draft *self)
+static enum co_err open_and_lock(struct file_draft *self, int flags)
 {
-    const int flags = O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
     enum co_err err;
 
-    self->file = open(self->temporary, flags, 0666);
+    self->file = open(self->temporary, flags | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
     if (self->file >= 0 && lock_file(self))
         return CO_OK;
     err = error_of_errno();
     if (self->file >= 0)
         close(self->file);
     return err;
+}
+
+/* One with the mode of a file that is read only, of somebody who has been interrupted. */
+static enum co_err remove_left(struct file_draft *self)
+{
+    const enum co_err err = open_and_lock(self, O_RDONLY);
+    bool gone;
+
+    if (err != CO_OK)
+        return err;
+    gone = unlink(self->temporary) == 0;
+    close(self->file);
+    return gone ? CO_OK : CO_ERR_PERMISSION;
+}
+
+static enum co_err open_draft(struct file_draft *self)
+{
+    const int flags = O_WRONLY | O_CREAT;
+    enum co_err err = open_and_lock(self, flags), left;
+
+    if (err != CO_ERR_PERMISSION)
+        return err;
+    left = remove_left(self);
+    if (left == CO_OK)
+        return open_and_lock(self, flags);
+    return left == CO_ERR_AGAIN ? left : err;
 }
 
 /* Nothing but a file is replaced; it hands its mode on. */

@@ -7,9 +7,9 @@
  *     if (err == CO_OK)
  *         err = file_draft_take(&draft);                                 or file_draft_drop()
  *
- * The draft is called PATH~, so that one that a power cut has left is used again. A symbolic link
- * stays, what it leads to is replaced; devices and pipes are not. The new file has the mode of the
- * old one.
+ * The draft is called PATH~, so that one that a power cut has left is used again, or removed where
+ * it has the mode of a file that is read only. A symbolic link stays, what it leads to is replaced;
+ * devices and pipes are not. The new file has the mode of the old one.
  *
  *   owner    of the draft: the caller
  *   locking  the draft is locked (flock): of two writers the second gets CO_ERR_AGAIN

@@ -381,6 +381,8 @@ START_TEST(test_block_download_is_cancelled)
     submit_block_download(1);
     expect_frame("605#C600200008000000");
     ck_assert(sdo_channel_cancel(&channel, &requests[0], _i ? SDO_TIMEOUT : SDO_OK, now, &out));
+    if (_i)
+        expect_frame("605#8000200000000405");
     expect_frame("605#C601200008000000");
     ck_assert_uint_eq(block_downloads, SDO_CHANNEL_BLOCK_DOWNLOADS);
     if (_i)

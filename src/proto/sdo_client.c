@@ -202,6 +202,12 @@ void sdo_client_start(struct sdo_client *self, const struct sdo_transfer *transf
     request_initiate(self, now, out);
 }
 
+/* A server that has heard of a block download takes all but an abort for its segments. */
+static bool is_server_free(const struct sdo_client *self)
+{
+    return self->state == SDO_CLIENT_INITIATE && !(self->in_blocks && self->transfer.download);
+}
+
 bool sdo_client_cancel(struct sdo_client *self, sdo_abort_t code, struct co_outbox *out)
 {
     if (self->state == SDO_CLIENT_IDLE || !co_outbox_room(out, 1, 1))
@@ -210,7 +216,7 @@ bool sdo_client_cancel(struct sdo_client *self, sdo_abort_t code, struct co_outb
         tell_end(self, out);
         return true;
     }
-    self->farewell = self->state == SDO_CLIENT_INITIATE ? 0 : ABORT;
+    self->farewell = is_server_free(self) ? 0 : ABORT;
     self->owes_segment |= self->state != SDO_CLIENT_INITIATE;
     sdo_client_finish(self, SDO_OUTCOME_CANCELLED, code, out);
     return true;

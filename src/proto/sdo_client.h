@@ -111,8 +111,8 @@ void sdo_client_start(struct sdo_client *self, const struct sdo_transfer *transf
                       struct co_outbox *out);
 /*
  * Ends a running transfer with SDO_OUTCOME_CANCELLED. The server is told (code) only when it is in
- * the middle of segments; nothing is done when idle, or when the outbox has no room (false). A
- * transfer that is over already ends with the outcome that it had.
+ * the middle of segments, or is to download in blocks; nothing is done when idle, or when the
+ * outbox has no room (false). A transfer that is over already ends with the outcome that it had.
  */
 bool sdo_client_cancel(struct sdo_client *self, sdo_abort_t code, struct co_outbox *out);
 

@@ -59,13 +59,19 @@ static void end_configure(struct boot_node *self, co_us_t now, struct co_outbox 
     enter_save(self, now, out);
 }
 
+/* Of a number no more than is expected: an answer that does not tell its size has four bytes. */
+static uint32_t room_for(const struct ccf_entry *wanted)
+{
+    return wanted->size > 0 && wanted->size < 4 ? wanted->size : VERIFY_SIZE;
+}
+
 /* True if there is something to wait for. */
 static bool follow(struct boot_node *self, enum verify_order order)
 {
     const struct ccf_entry *wanted = &self->verify.wanted;
 
     if (order == VERIFY_READ) {
-        boot_node_read_into(self, wanted->index, wanted->sub, self->verify.value, VERIFY_SIZE);
+        boot_node_read_into(self, wanted->index, wanted->sub, self->verify.value, room_for(wanted));
     } else if (order == VERIFY_WRITE) {
         self->written++;
         self->unsaved = true;

@@ -212,6 +212,25 @@ START_TEST(full_outbox_loss)
 }
 END_TEST
 
+/* What the PDO with 1001h has to tell, from before, comes behind. */
+START_TEST(full_outbox_mapped)
+{
+    const struct slave_error error = { .code = 0x1000, .error_register = 1 };
+
+    device_do(&device, "flags t1 1");
+    device_hear(&device, "000#0105");
+    device_drain(&device);
+    device_forget(&device);
+    slave_tpdo(&device.slave, 1)->confirms = 1;
+    device_fill(&device, 8, 1);
+    ck_assert_int_eq(slave_raise_error(&device.slave, &error, device.now, &device.out), CO_OK);
+    device_drain(&device);
+    ck_assert_str_eq(device_next_event(&device), "emcy 1000 01");
+    device_run(&device, 1);
+    ck_assert_uint_eq(slave_tpdo(&device.slave, 1)->confirms, 0);
+}
+END_TEST
+
 START_TEST(full_outbox_heard)
 {
     device_fill(&device, 8, 0);
@@ -349,6 +368,7 @@ int main(void)
     tcase_add_loop_test(tcase, conversation, 0, (int)(sizeof talks / sizeof talks[0]));
     tcase_add_test(tcase, losses_are_told);
     tcase_add_test(tcase, full_outbox_loss);
+    tcase_add_test(tcase, full_outbox_mapped);
     tcase_add_test(tcase, full_outbox_heard);
     tcase_add_test(tcase, full_outbox_boot_up_of_a_node);
     tcase_add_test(tcase, what_is_listened_to);

@@ -28,10 +28,10 @@ static bool has_internal_error(const struct slave_errors *errors)
     return errors->lost > 0 || errors->faults > 0 || errors->told_bus != SLAVE_BUS_OK;
 }
 
-void slave_update_error_register(struct slave *self, co_us_t now, struct co_outbox *out)
+/* True if it has changed. */
+static bool set_error_register(struct slave *self)
 {
     const struct slave_errors *errors = &self->errors;
-    const struct od_entry *entry = od_find(self->od, 0x1001, 0);
     const uint64_t before = od_number(self->od, 0x1001, 0, 0);
     unsigned bits = errors->raised;
 
@@ -40,8 +40,21 @@ void slave_update_error_register(struct slave *self, co_us_t now, struct co_outb
     if (bits != 0 || errors->application > 0)
         bits |= ERROR_GENERIC;
     od_set_number(self->od, 0x1001, 0, bits);
-    if (bits != before && entry->map_count > 0)
+    return bits != before;
+}
+
+static void send_error_register(struct slave *self, co_us_t now, struct co_outbox *out)
+{
+    const struct od_entry *entry = od_find(self->od, 0x1001, 0);
+
+    if (entry->map_count > 0)
         slave_mapped_changed(self, entry, now, out);
+}
+
+void slave_update_error_register(struct slave *self, co_us_t now, struct co_outbox *out)
+{
+    if (set_error_register(self))
+        send_error_register(self, now, out);
 }
 
 uint8_t slave_highest_sub(const struct od *od, uint16_t index, uint8_t limit)
@@ -66,14 +79,17 @@ static void record_error(struct od *od, uint16_t code, uint16_t info)
     od_set_number(od, 0x1003, 0, count);
 }
 
-/* One emergency for what has just changed; there is room for the event. */
+/*
+ * One emergency for what has just changed; there is room for the event, which PDOs with 1001h that
+ * have something to tell would take.
+ */
 static void send(struct slave *self, const struct slave_error *error, co_us_t now,
                  struct co_outbox *out)
 {
     struct emcy_message message = { .code = error->code };
     struct co_event event = { .type = SLAVE_EMERGENCY, .node = self->node, .code = error->code };
+    const bool changed = set_error_register(self);
 
-    slave_update_error_register(self, now, out);
     message.error_register = (uint8_t)od_number(self->od, 0x1001, 0, 0);
     memcpy(message.field, error->field, sizeof message.field);
     if (error->code != 0)
@@ -83,6 +99,8 @@ static void send(struct slave *self, const struct slave_error *error, co_us_t no
     event.data[2] = message.error_register;
     memcpy(event.data + 3, message.field, sizeof message.field);
     co_outbox_put_event(out, &event);
+    if (changed)
+        send_error_register(self, now, out);
     emcy_producer_raise(&self->emcy, &message);
     slave_step_emcy(self, now, out);
 }

@@ -124,12 +124,14 @@ static void tell_length(struct slave *self, co_us_t now, struct co_outbox *out)
 bool slave_hear_sync(struct slave *self, const struct co_frame *frame, co_us_t now,
                      struct co_outbox *out)
 {
+    struct sync_consumer heard = self->sync_heard;
     uint8_t counter = 0;
 
-    if (!self->consumes_sync || !sync_consumer_on_frame(&self->sync_heard, frame, &counter))
+    if (!self->consumes_sync || !sync_consumer_on_frame(&heard, frame, &counter))
         return false;
     if (!self->sync.enabled)
         return true;
+    self->sync_heard = heard;
     sync_producer_on_sync(&self->sync, now);
     consume(self, counter, now, out);
     tell_length(self, now, out);

@@ -18,6 +18,8 @@
 #include <string.h>
 #include <unistd.h>
 
+/* Waits also for a node that is being deleted, whose own place gives up all waiting. */
+#define NO_PLACE         0u
 #define STORE_PARAMETERS 0x1010u
 #define STORE_ORDERS     1024u
 #define EMPTY_SIZE       4u
@@ -196,7 +198,7 @@ void scan_store_work(void *context, const void *element)
 void scan_wait_stored(struct scan_node *node)
 {
     while (node->storing)
-        network_wait(node->net->network, node->id, CO_NEVER);
+        network_wait(node->net->network, NO_PLACE, CO_NEVER);
 }
 
 /* ---- canOpenSetStoreFile ---- */

@@ -23,7 +23,8 @@ enum {
     ALARM /* this one and all above */
 };
 
-#define ENTRIES (2 * (INTAKE_CHAIN + 4)) /* an alarm is taken back, and a new one set */
+#define REQUESTS_MAX (INTAKE_CHAIN + 4) /* of one wait: an alarm is taken back, and a new one set */
+#define ENTRIES      (2 * REQUESTS_MAX)
 
 static uint64_t address_of(const void *object)
 {
@@ -147,15 +148,19 @@ static unsigned take_results(struct can_intake *self)
 
 /* --- waiting --- */
 
-static void prepare_all(struct can_intake *self, co_us_t deadline)
+/* False: the kernel takes nothing, and there is no room for more. */
+static bool prepare_all(struct can_intake *self, co_us_t deadline)
 {
     struct can_intake_ring *ring = &self->ring;
 
+    if (io_ring_room(&ring->ring) < REQUESTS_MAX && io_ring_enter(&ring->ring, 0) != CO_OK)
+        return false;
     if (ring->chained == 0)
         prepare_chain(self);
     prepare_watch(self, self->wake, WAKE, &ring->wake_watched);
     prepare_watch(self, self->news, NEWS, &ring->news_watched);
     prepare_alarm(ring, deadline);
+    return true;
 }
 
 static bool has_something(struct can_intake *self)
@@ -168,7 +173,8 @@ enum co_err can_intake_ring_wait(struct can_intake *self, co_us_t deadline)
     while (!has_something(self)) {
         co_us_t alarm;
 
-        prepare_all(self, deadline);
+        if (!prepare_all(self, deadline))
+            return CO_ERR_IO;
         alarm = self->ring.alarm;
         self->alarmed = false;
         if (io_ring_enter(&self->ring.ring, 1) != CO_OK)

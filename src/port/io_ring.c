@@ -114,6 +114,11 @@ void io_ring_close(struct io_ring *self)
 
 /* --- requests and results --- */
 
+unsigned io_ring_room(const struct io_ring *self)
+{
+    return self->layout.sq_entries - (self->tail - self->handed);
+}
+
 struct io_uring_sqe *io_ring_prepare(struct io_ring *self, unsigned opcode, uint64_t number)
 {
     struct io_uring_sqe *request = &self->requests[self->tail++ & (self->layout.sq_entries - 1)];

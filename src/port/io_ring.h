@@ -40,6 +40,8 @@ int io_ring_setup(unsigned entries, struct io_uring_params *params);
 enum co_err io_ring_open(struct io_ring *self, unsigned entries, io_ring_setup_fn *setup);
 void io_ring_close(struct io_ring *self);
 
+/* How many more can be prepared before the next io_ring_enter() that works. */
+unsigned io_ring_room(const struct io_ring *self);
 /* The next request, empty but for its number; it and what it points to stay until its result. */
 struct io_uring_sqe *io_ring_prepare(struct io_ring *self, unsigned opcode, uint64_t number);
 /*

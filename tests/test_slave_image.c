@@ -1,92 +1,18 @@
 /* 1010h, 1011h with an owner who keeps the power-on values: images, and taking them back. */
 #include "slave/slave_store.h"
 
-#include "support/device.h"
 #include "support/hex.h"
+#include "support/saver.h"
 #include "support/suite.h"
 
 #include <check.h>
 #include <stdio.h>
 #include <string.h>
 
-static const struct device_entry entries[] = {
-    { 0x1005, 0, OD_UNSIGNED32, OD_RW, 0x80, false },
-    { 0x1006, 0, OD_UNSIGNED32, OD_RW, 0, false },
-    { 0x1010, 0, OD_UNSIGNED8, OD_CONST, 4, false },
-    { 0x1010, 1, OD_UNSIGNED32, OD_RW, 1, false },
-    { 0x1010, 2, OD_UNSIGNED32, OD_RW, 1, false },
-    { 0x1010, 3, OD_UNSIGNED32, OD_RW, 1, false },
-    { 0x1010, 4, OD_UNSIGNED32, OD_RW, 1, false },
-    { 0x1011, 0, OD_UNSIGNED8, OD_CONST, 4, false },
-    { 0x1011, 1, OD_UNSIGNED32, OD_RW, 1, false },
-    { 0x1011, 2, OD_UNSIGNED32, OD_RW, 1, false },
-    { 0x1011, 3, OD_UNSIGNED32, OD_RW, 1, false },
-    { 0x1011, 4, OD_UNSIGNED32, OD_RW, 1, false },
-    { 0x1003, 0, OD_UNSIGNED8, OD_RW, 0, false },
-    { 0x1003, 1, OD_UNSIGNED32, OD_RO, 0, false },
-    { 0x1017, 0, OD_UNSIGNED16, OD_RW, 0, false },
-    { 0x1020, 0, OD_UNSIGNED8, OD_CONST, 2, false },
-    { 0x1020, 1, OD_UNSIGNED32, OD_RW, 0, false },
-    { 0x1020, 2, OD_UNSIGNED32, OD_RW, 0, false },
-    { 0x2000, 0, OD_UNSIGNED16, OD_RW, 20, false },
-    { 0x2001, 0, OD_VISIBLE_STRING, OD_RW, 0, false },
-    { 0x2002, 0, OD_UNSIGNED16, OD_RO, 1, false },
-    { 0x2003, 0, OD_DOMAIN, OD_RW, 0, false },
-    { 0x6000, 0, OD_UNSIGNED16, OD_RW, 60, false },
-    { 0 },
-};
-
-static struct device device;
-
-#define SAVE                0x65766173u
-#define LOAD                0x64616F6Cu
-#define RESET_NODE          "000#8105"
-#define RESET_COMMUNICATION "000#8205"
-
-static void setup(void)
-{
-    device_init(&device, entries);
-    device_start(&device);
-}
-
-static void teardown(void)
-{
-    device_done(&device);
-}
-
-static void put(uint16_t index, uint8_t sub, uint8_t size, uint32_t value)
-{
-    ck_assert_uint_eq(device_write(&device, index, sub, size, value), SDO_OK);
-}
-
-static void change_all(void)
-{
-    put(0x1006, 0, 4, 1111);
-    put(0x2000, 0, 2, 2222);
-    put(0x6000, 0, 2, 6666);
-}
-
-static void reset(const char *command)
-{
-    device_hear(&device, command);
-    device_drain(&device);
-    device_forget(&device);
-}
-
-static void expect(const char *what, uint32_t communication, uint32_t manufacturer,
-                   uint32_t application)
-{
-    const uint32_t got[] = { device_value(&device, 0x1006, 0), device_value(&device, 0x2000, 0),
-                             device_value(&device, 0x6000, 0) };
-
-    ck_assert_msg(got[0] == communication && got[1] == manufacturer && got[2] == application,
-                  "%s: %u %u %u", what, got[0], got[1], got[2]);
-}
-
 static void verify(uint32_t date, uint32_t time)
 {
-    put(0x1020, 1, 4, date);
-    put(0x1020, 2, 4, time);
+    saver_put(0x1020, 1, 4, date);
+    saver_put(0x1020, 2, 4, time);
 }
 
 /* The last question's transfer. */
@@ -94,17 +20,18 @@ static struct slave_transfer asked(void)
 {
     struct slave_transfer transfer = { 0, 0 };
 
-    for (unsigned i = 0; i < device.event_count; i++)
-        if (device.events[i].type == SLAVE_VERDICT)
-            transfer = (struct slave_transfer){ device.events[i].detail, device.events[i].code };
+    for (unsigned i = 0; i < saver_device.event_count; i++)
+        if (saver_device.events[i].type == SLAVE_VERDICT)
+            transfer = (struct slave_transfer){ saver_device.events[i].detail,
+                                                saver_device.events[i].code };
     ck_assert_uint_ne(transfer.number, 0);
     return transfer;
 }
 
 static struct slave_transfer order(uint16_t index, uint8_t sub)
 {
-    od_find(&device.od, index, sub)->watched = true;
-    ck_assert_uint_eq(device_write(&device, index, sub, 4, index == 0x1010 ? SAVE : LOAD),
+    od_find(&saver_device.od, index, sub)->watched = true;
+    ck_assert_uint_eq(device_write(&saver_device, index, sub, 4, index == 0x1010 ? SAVE : LOAD),
                       DEVICE_SILENT);
     return asked();
 }
@@ -128,18 +55,19 @@ static void expect_image(const struct ccf *image, const char *text)
 
 static void begin(struct slave_transfer transfer, struct slave_store *store)
 {
-    ck_assert_int_eq(slave_begin_store(&device.slave, transfer, device.now, store), CO_OK);
+    ck_assert_int_eq(slave_begin_store(&saver_device.slave, transfer, saver_device.now, store),
+                     CO_OK);
 }
 
 /* The whole way; the answer, "" for none. */
 static const char *finish(struct slave_transfer transfer, struct slave_store *store)
 {
-    device_forget(&device);
-    slave_end_store(&device.slave, store);
+    device_forget(&saver_device);
+    slave_end_store(&saver_device.slave, store);
     slave_free_store(store);
-    slave_verdict(&device.slave, transfer, SLAVE_DONE, device.now, &device.out);
-    device_drain(&device);
-    return device_next_frame(&device, NULL);
+    slave_verdict(&saver_device.slave, transfer, SLAVE_DONE, saver_device.now, &saver_device.out);
+    device_drain(&saver_device);
+    return device_next_frame(&saver_device, NULL);
 }
 
 #define COMMUNICATION "1006:00=57040000 "
@@ -173,7 +101,7 @@ START_TEST(images_of_commands)
     struct slave_store store;
     struct ccf image;
 
-    change_all();
+    saver_change_all();
     verify(1, 2);
     ccf_init(&image);
     for (unsigned i = 0; i < 3; i++) {
@@ -187,18 +115,21 @@ START_TEST(images_of_commands)
         ck_assert_str_ne(finish(transfer, &store), "");
     }
     expect_image(&image, images[_i].image);
-    expect("before", 1111, 2222, 6666);
-    reset(RESET_NODE);
-    expect("after", images[_i].communication, images[_i].manufacturer, images[_i].application);
-    slave_done(&device.slave);
-    od_done(&device.od);
-    device_init(&device, entries);
-    ck_assert_int_eq(slave_recall_image(&device.od, &image, &(struct co_report){ 0 }), CO_OK);
-    slave_switch_on(&device.slave, 0, &device.out);
-    device_drain(&device);
-    expect("taken back", images[_i].communication, images[_i].manufacturer, images[_i].application);
-    reset(RESET_NODE);
-    expect("and reset", images[_i].communication, images[_i].manufacturer, images[_i].application);
+    saver_expect("before", 1111, 2222, 6666);
+    saver_reset(RESET_NODE);
+    saver_expect("after", images[_i].communication, images[_i].manufacturer,
+                 images[_i].application);
+    slave_done(&saver_device.slave);
+    od_done(&saver_device.od);
+    device_init(&saver_device, saver_entries);
+    ck_assert_int_eq(slave_recall_image(&saver_device.od, &image, &(struct co_report){ 0 }), CO_OK);
+    slave_switch_on(&saver_device.slave, 0, &saver_device.out);
+    device_drain(&saver_device);
+    saver_expect("taken back", images[_i].communication, images[_i].manufacturer,
+                 images[_i].application);
+    saver_reset(RESET_NODE);
+    saver_expect("and reset", images[_i].communication, images[_i].manufacturer,
+                 images[_i].application);
     ccf_done(&image);
 }
 END_TEST
@@ -209,15 +140,15 @@ START_TEST(image_of_a_save_after_a_load)
     struct slave_transfer transfer;
     struct slave_store store;
 
-    change_all();
-    put(0x1010, 1, 4, SAVE);
-    put(0x1011, 1, 4, LOAD);
+    saver_change_all();
+    saver_put(0x1010, 1, 4, SAVE);
+    saver_put(0x1011, 1, 4, LOAD);
     transfer = order(0x1010, 3);
     begin(transfer, &store);
     expect_image(&store.image, APPLICATION);
     ck_assert_str_eq(finish(transfer, &store), "585#6010100300000000");
-    reset(RESET_NODE);
-    expect("a part", 0, 20, 6666);
+    saver_reset(RESET_NODE);
+    saver_expect("a part", 0, 20, 6666);
 }
 END_TEST
 
@@ -227,14 +158,14 @@ START_TEST(changes_meanwhile)
     struct slave_transfer transfer;
     struct slave_store store;
 
-    change_all();
+    saver_change_all();
     transfer = order(0x1010, 1);
     begin(transfer, &store);
-    od_set_number(&device.od, 0x2000, 0, 5);
+    od_set_number(&saver_device.od, 0x2000, 0, 5);
     finish(transfer, &store);
-    ck_assert_uint_eq(device_value(&device, 0x2000, 0), 5);
-    reset(RESET_NODE);
-    expect("as in the image", 1111, 2222, 6666);
+    ck_assert_uint_eq(device_value(&saver_device, 0x2000, 0), 5);
+    saver_reset(RESET_NODE);
+    saver_expect("as in the image", 1111, 2222, 6666);
 }
 END_TEST
 
@@ -243,16 +174,16 @@ START_TEST(reset_meanwhile)
     struct slave_transfer transfer;
     struct slave_store store;
 
-    change_all();
-    put(0x1010, 1, 4, SAVE);
-    put(0x1011, 1, 4, LOAD);
+    saver_change_all();
+    saver_put(0x1010, 1, 4, SAVE);
+    saver_put(0x1011, 1, 4, LOAD);
     transfer = order(0x1010, 2);
     begin(transfer, &store);
-    reset(RESET_NODE);
-    expect("not saved yet", 0, 20, 60);
+    saver_reset(RESET_NODE);
+    saver_expect("not saved yet", 0, 20, 60);
     ck_assert_str_eq(finish(transfer, &store), ""); /* the client's transfer has ended */
-    reset(RESET_NODE);
-    expect("saved all the same", 1111, 20, 60);
+    saver_reset(RESET_NODE);
+    saver_expect("saved all the same", 1111, 20, 60);
 }
 END_TEST
 
@@ -262,21 +193,21 @@ START_TEST(change_meanwhile_is_not_verified)
     struct slave_transfer transfer;
     struct slave_store store;
 
-    change_all();
+    saver_change_all();
     verify(1, 2);
     transfer = order(0x1010, 1);
     begin(transfer, &store);
     if (_i == 1)
-        put(0x2000, 0, 2, 5);
+        saver_put(0x2000, 0, 2, 5);
     if (_i == 2)
-        reset(RESET_NODE);
+        saver_reset(RESET_NODE);
     finish(transfer, &store);
-    reset(RESET_COMMUNICATION);
-    ck_assert_uint_eq(device_value(&device, 0x1020, 1), _i == 0 ? 1 : 0);
-    ck_assert_uint_eq(device_value(&device, 0x1020, 2), _i == 0 ? 2 : 0);
-    reset(RESET_NODE);
-    expect("as in the image", 1111, 2222, 6666);
-    ck_assert_uint_eq(device_value(&device, 0x1020, 1), 1);
+    saver_reset(RESET_COMMUNICATION);
+    ck_assert_uint_eq(device_value(&saver_device, 0x1020, 1), _i == 0 ? 1 : 0);
+    ck_assert_uint_eq(device_value(&saver_device, 0x1020, 2), _i == 0 ? 2 : 0);
+    saver_reset(RESET_NODE);
+    saver_expect("as in the image", 1111, 2222, 6666);
+    ck_assert_uint_eq(device_value(&saver_device, 0x1020, 1), 1);
 }
 END_TEST
 
@@ -285,16 +216,16 @@ START_TEST(given_up)
     struct slave_transfer transfer;
     struct slave_store store;
 
-    change_all();
+    saver_change_all();
     transfer = order(0x1010, 1);
     begin(transfer, &store);
     slave_free_store(&store);
-    device_forget(&device);
-    slave_verdict(&device.slave, transfer, SDO_HARDWARE, device.now, &device.out);
-    device_drain(&device);
-    ck_assert_str_eq(device_next_frame(&device, NULL), "585#8010100100000606");
-    reset(RESET_NODE);
-    expect("nothing saved", 0, 20, 60);
+    device_forget(&saver_device);
+    slave_verdict(&saver_device.slave, transfer, SDO_HARDWARE, saver_device.now, &saver_device.out);
+    device_drain(&saver_device);
+    ck_assert_str_eq(device_next_frame(&saver_device, NULL), "585#8010100100000606");
+    saver_reset(RESET_NODE);
+    saver_expect("nothing saved", 0, 20, 60);
 }
 END_TEST
 
@@ -303,19 +234,20 @@ START_TEST(the_client_waits)
     struct slave_transfer transfer = order(0x1010, 1);
     struct slave_store store;
 
-    device_run(&device, CO_MS(999));
+    device_run(&saver_device, CO_MS(999));
     begin(transfer, &store);
-    device_forget(&device);
-    device_run(&device, CO_MS(999) + SLAVE_STORE_TIME - 1);
-    ck_assert_str_eq(device_next_frame(&device, NULL), "");
+    device_forget(&saver_device);
+    device_run(&saver_device, CO_MS(999) + SLAVE_STORE_TIME - 1);
+    ck_assert_str_eq(device_next_frame(&saver_device, NULL), "");
     ck_assert_str_eq(finish(transfer, &store), "585#6010100100000000");
     transfer = order(0x1010, 1);
     begin(transfer, &store);
-    device_forget(&device);
-    device_run(&device, device.now + SLAVE_STORE_TIME);
-    ck_assert_str_eq(device_next_frame(&device, NULL), "585#8010100120000008");
-    ck_assert_str_eq(device_next_event(&device), "no verdict on 1010:01");
-    ck_assert_int_eq(slave_begin_store(&device.slave, transfer, device.now, &store), CO_ERR_STATE);
+    device_forget(&saver_device);
+    device_run(&saver_device, saver_device.now + SLAVE_STORE_TIME);
+    ck_assert_str_eq(device_next_frame(&saver_device, NULL), "585#8010100120000008");
+    ck_assert_str_eq(device_next_event(&saver_device), "no verdict on 1010:01");
+    ck_assert_int_eq(slave_begin_store(&saver_device.slave, transfer, saver_device.now, &store),
+                     CO_ERR_STATE);
     slave_free_store(&store);
 }
 END_TEST
@@ -340,14 +272,14 @@ static void recall(const char *hex)
 
     told[0] = '\0';
     ck_assert_int_eq(ccf_parse(bytes, size, &report, &image), CO_OK);
-    ck_assert_int_eq(slave_recall_image(&device.od, &image, &report), CO_OK);
+    ck_assert_int_eq(slave_recall_image(&saver_device.od, &image, &report), CO_OK);
     ccf_done(&image);
 }
 
 START_TEST(what_does_not_fit)
 {
-    od_find(&device.od, 0x6000, 0)->has_high = true;
-    od_find(&device.od, 0x6000, 0)->high = 100;
+    od_find(&saver_device.od, 0x6000, 0)->has_high = true;
+    od_find(&saver_device.od, 0x6000, 0)->high = 100;
     recall("0B000000"
            "05100004000000"
            "80000000" /* its DefaultValue */
@@ -386,29 +318,29 @@ START_TEST(what_does_not_fit)
               "f: warning: 9009h:00 is stored, but the device has no such object; it is left out\n"
               "f: warning: 1003h:00 is stored, but the device has no such parameter; it is left "
               "out\n");
-    expect("only one", 6, 20, 60);
+    saver_expect("only one", 6, 20, 60);
 }
 END_TEST
 
 /* One image after the other: the first leaves nothing behind. */
 START_TEST(recalled_anew)
 {
-    od_set_number(&device.od, 0x2000, 0, 77); /* by the application */
+    od_set_number(&saver_device.od, 0x2000, 0, 77); /* by the application */
     recall("02000000"
            "0610000400000005000000"
            "01200002000000"
            "4142");
-    expect("first", 5, 77, 60);
+    saver_expect("first", 5, 77, 60);
     recall("01000000"
            "00600002000000"
            "0500");
-    expect("second", 0, 77, 5);
-    ck_assert_uint_eq(od_find(&device.od, 0x2001, 0)->size, 0);
-    ck_assert_int_eq(slave_recall_image(&device.od, NULL, NULL), CO_OK);
-    expect("none", 0, 77, 60);
-    put(0x1011, 1, 4, LOAD);
-    reset(RESET_NODE);
-    expect("reset", 0, 20, 60);
+    saver_expect("second", 0, 77, 5);
+    ck_assert_uint_eq(od_find(&saver_device.od, 0x2001, 0)->size, 0);
+    ck_assert_int_eq(slave_recall_image(&saver_device.od, NULL, NULL), CO_OK);
+    saver_expect("none", 0, 77, 60);
+    saver_put(0x1011, 1, 4, LOAD);
+    saver_reset(RESET_NODE);
+    saver_expect("reset", 0, 20, 60);
 }
 END_TEST
 
@@ -416,7 +348,7 @@ int main(void)
 {
     TCase *tcase = tcase_create("slave_image");
 
-    tcase_add_checked_fixture(tcase, setup, teardown);
+    tcase_add_checked_fixture(tcase, saver_setup, saver_teardown);
     tcase_add_loop_test(tcase, images_of_commands, 0, (int)(sizeof images / sizeof images[0]));
     tcase_add_test(tcase, image_of_a_save_after_a_load);
     tcase_add_test(tcase, changes_meanwhile);

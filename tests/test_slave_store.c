@@ -1,85 +1,11 @@
 /* 1010h, 1011h, 1020h of a local device: what survives a reset, and what tells that it did. */
 #include "slave/slave.h"
 
-#include "support/device.h"
+#include "support/saver.h"
 
 #include <check.h>
 #include <stdlib.h>
 #include <string.h>
-
-static const struct device_entry entries[] = {
-    { 0x1005, 0, OD_UNSIGNED32, OD_RW, 0x80, false },
-    { 0x1006, 0, OD_UNSIGNED32, OD_RW, 0, false },
-    { 0x1010, 0, OD_UNSIGNED8, OD_CONST, 4, false },
-    { 0x1010, 1, OD_UNSIGNED32, OD_RW, 1, false },
-    { 0x1010, 2, OD_UNSIGNED32, OD_RW, 1, false },
-    { 0x1010, 3, OD_UNSIGNED32, OD_RW, 1, false },
-    { 0x1010, 4, OD_UNSIGNED32, OD_RW, 1, false },
-    { 0x1011, 0, OD_UNSIGNED8, OD_CONST, 4, false },
-    { 0x1011, 1, OD_UNSIGNED32, OD_RW, 1, false },
-    { 0x1011, 2, OD_UNSIGNED32, OD_RW, 1, false },
-    { 0x1011, 3, OD_UNSIGNED32, OD_RW, 1, false },
-    { 0x1011, 4, OD_UNSIGNED32, OD_RW, 1, false },
-    { 0x1003, 0, OD_UNSIGNED8, OD_RW, 0, false },
-    { 0x1003, 1, OD_UNSIGNED32, OD_RO, 0, false },
-    { 0x1017, 0, OD_UNSIGNED16, OD_RW, 0, false },
-    { 0x1020, 0, OD_UNSIGNED8, OD_CONST, 2, false },
-    { 0x1020, 1, OD_UNSIGNED32, OD_RW, 0, false },
-    { 0x1020, 2, OD_UNSIGNED32, OD_RW, 0, false },
-    { 0x2000, 0, OD_UNSIGNED16, OD_RW, 20, false },
-    { 0x2001, 0, OD_VISIBLE_STRING, OD_RW, 0, false },
-    { 0x2002, 0, OD_UNSIGNED16, OD_RO, 1, false },
-    { 0x2003, 0, OD_DOMAIN, OD_RW, 0, false },
-    { 0x6000, 0, OD_UNSIGNED16, OD_RW, 60, false },
-    { 0 },
-};
-
-static struct device device;
-
-#define SAVE                0x65766173u
-#define LOAD                0x64616F6Cu
-#define RESET_NODE          "000#8105"
-#define RESET_COMMUNICATION "000#8205"
-
-static void setup(void)
-{
-    device_init(&device, entries);
-    device_start(&device);
-}
-
-static void teardown(void)
-{
-    device_done(&device);
-}
-
-static void put(uint16_t index, uint8_t sub, uint8_t size, uint32_t value)
-{
-    ck_assert_uint_eq(device_write(&device, index, sub, size, value), SDO_OK);
-}
-
-static void change_all(void)
-{
-    put(0x1006, 0, 4, 1111);
-    put(0x2000, 0, 2, 2222);
-    put(0x6000, 0, 2, 6666);
-}
-
-static void reset(const char *command)
-{
-    device_hear(&device, command);
-    device_drain(&device);
-    device_forget(&device);
-}
-
-static void expect(const char *what, uint32_t communication, uint32_t manufacturer,
-                   uint32_t application)
-{
-    const uint32_t got[] = { device_value(&device, 0x1006, 0), device_value(&device, 0x2000, 0),
-                             device_value(&device, 0x6000, 0) };
-
-    ck_assert_msg(got[0] == communication && got[1] == manufacturer && got[2] == application,
-                  "%s: %u %u %u", what, got[0], got[1], got[2]);
-}
 
 static const struct {
     uint8_t save; /* sub-index, 0: none */
@@ -106,30 +32,30 @@ static const struct {
 
 START_TEST(save_and_load)
 {
-    change_all();
+    saver_change_all();
     if (cases[_i].save != 0)
-        put(0x1010, cases[_i].save, 4, SAVE);
+        saver_put(0x1010, cases[_i].save, 4, SAVE);
     if (cases[_i].load != 0)
-        put(0x1011, cases[_i].load, 4, LOAD);
-    expect("before", 1111, 2222, 6666);
-    reset(cases[_i].command);
-    expect("after", cases[_i].communication, cases[_i].manufacturer, cases[_i].application);
-    ck_assert_uint_eq(device_value(&device, 0x1010, 1), 1);
-    ck_assert_uint_eq(device_value(&device, 0x1011, 1), 1);
+        saver_put(0x1011, cases[_i].load, 4, LOAD);
+    saver_expect("before", 1111, 2222, 6666);
+    saver_reset(cases[_i].command);
+    saver_expect("after", cases[_i].communication, cases[_i].manufacturer, cases[_i].application);
+    ck_assert_uint_eq(device_value(&saver_device, 0x1010, 1), 1);
+    ck_assert_uint_eq(device_value(&saver_device, 0x1011, 1), 1);
 }
 END_TEST
 
 START_TEST(wrong_signatures_change_nothing)
 {
-    change_all();
-    ck_assert_uint_eq(device_write(&device, 0x1010, 1, 4, LOAD), SDO_NOT_STORED);
-    reset(RESET_NODE);
-    expect("not saved", 0, 20, 60);
-    change_all();
-    put(0x1010, 1, 4, SAVE);
-    ck_assert_uint_eq(device_write(&device, 0x1011, 1, 4, SAVE), SDO_NOT_STORED);
-    reset(RESET_NODE);
-    expect("not loaded", 1111, 2222, 6666);
+    saver_change_all();
+    ck_assert_uint_eq(device_write(&saver_device, 0x1010, 1, 4, LOAD), SDO_NOT_STORED);
+    saver_reset(RESET_NODE);
+    saver_expect("not saved", 0, 20, 60);
+    saver_change_all();
+    saver_put(0x1010, 1, 4, SAVE);
+    ck_assert_uint_eq(device_write(&saver_device, 0x1011, 1, 4, SAVE), SDO_NOT_STORED);
+    saver_reset(RESET_NODE);
+    saver_expect("not loaded", 1111, 2222, 6666);
 }
 END_TEST
 
@@ -139,59 +65,61 @@ START_TEST(each_wrong_signature)
     static const uint32_t wrong[] = { 0,          1,          0x77726F6E, 0x6C6F6164,
                                       0x73617665, 0x45564153, 0xFFFFFFFF };
 
-    change_all();
+    saver_change_all();
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)
         for (uint8_t sub = 1; sub <= 4; sub++) {
-            ck_assert_uint_eq(device_write(&device, 0x1010, sub, 4, wrong[i]), SDO_NOT_STORED);
-            ck_assert_uint_eq(device_write(&device, 0x1011, sub, 4, wrong[i]), SDO_NOT_STORED);
+            ck_assert_uint_eq(device_write(&saver_device, 0x1010, sub, 4, wrong[i]),
+                              SDO_NOT_STORED);
+            ck_assert_uint_eq(device_write(&saver_device, 0x1011, sub, 4, wrong[i]),
+                              SDO_NOT_STORED);
         }
-    ck_assert_uint_eq(device_write(&device, 0x1010, 1, 2, 0x6173), SDO_TOO_SHORT);
-    ck_assert_uint_eq(device_write(&device, 0x1010, 5, 4, SAVE), SDO_NO_SUB);
-    ck_assert_uint_eq(device_write(&device, 0x1010, 0, 1, 1), SDO_READ_ONLY);
-    expect("nothing changed", 1111, 2222, 6666);
-    reset(RESET_NODE);
-    expect("nothing saved", 0, 20, 60);
+    ck_assert_uint_eq(device_write(&saver_device, 0x1010, 1, 2, 0x6173), SDO_TOO_SHORT);
+    ck_assert_uint_eq(device_write(&saver_device, 0x1010, 5, 4, SAVE), SDO_NO_SUB);
+    ck_assert_uint_eq(device_write(&saver_device, 0x1010, 0, 1, 1), SDO_READ_ONLY);
+    saver_expect("nothing changed", 1111, 2222, 6666);
+    saver_reset(RESET_NODE);
+    saver_expect("nothing saved", 0, 20, 60);
 }
 END_TEST
 
 /* A sub-index whose value says that it does not save on command; 0 is what many files leave out. */
 START_TEST(groups_that_do_not_obey)
 {
-    od_set_number(&device.od, 0x1010, 1, 2);
-    od_set_number(&device.od, 0x1011, 1, 2);
-    od_set_number(&device.od, 0x1010, 2, 3);
-    od_set_number(&device.od, 0x1010, 3, 0);
-    ck_assert_uint_eq(device_write(&device, 0x1010, 1, 4, SAVE), SDO_NOT_STORED);
-    ck_assert_uint_eq(device_write(&device, 0x1011, 1, 4, LOAD), SDO_NOT_STORED);
-    put(0x1010, 2, 4, SAVE);
-    put(0x1010, 3, 4, SAVE);
+    od_set_number(&saver_device.od, 0x1010, 1, 2);
+    od_set_number(&saver_device.od, 0x1011, 1, 2);
+    od_set_number(&saver_device.od, 0x1010, 2, 3);
+    od_set_number(&saver_device.od, 0x1010, 3, 0);
+    ck_assert_uint_eq(device_write(&saver_device, 0x1010, 1, 4, SAVE), SDO_NOT_STORED);
+    ck_assert_uint_eq(device_write(&saver_device, 0x1011, 1, 4, LOAD), SDO_NOT_STORED);
+    saver_put(0x1010, 2, 4, SAVE);
+    saver_put(0x1010, 3, 4, SAVE);
 }
 END_TEST
 
 START_TEST(load_is_done_once)
 {
-    change_all();
-    put(0x1010, 1, 4, SAVE);
-    put(0x1011, 1, 4, LOAD);
-    reset(RESET_NODE);
-    change_all();
-    put(0x1010, 1, 4, SAVE);
-    reset(RESET_NODE);
-    expect("saved again", 1111, 2222, 6666);
+    saver_change_all();
+    saver_put(0x1010, 1, 4, SAVE);
+    saver_put(0x1011, 1, 4, LOAD);
+    saver_reset(RESET_NODE);
+    saver_change_all();
+    saver_put(0x1010, 1, 4, SAVE);
+    saver_reset(RESET_NODE);
+    saver_expect("saved again", 1111, 2222, 6666);
 }
 END_TEST
 
 START_TEST(the_later_command_counts)
 {
-    change_all();
-    put(0x1011, 1, 4, LOAD);
-    put(0x1010, 1, 4, SAVE);
-    reset(RESET_NODE);
-    expect("load, save", 1111, 2222, 6666);
-    put(0x1011, 1, 4, LOAD);
-    put(0x1010, 3, 4, SAVE);
-    reset(RESET_NODE);
-    expect("load all, save a part", 0, 20, 6666);
+    saver_change_all();
+    saver_put(0x1011, 1, 4, LOAD);
+    saver_put(0x1010, 1, 4, SAVE);
+    saver_reset(RESET_NODE);
+    saver_expect("load, save", 1111, 2222, 6666);
+    saver_put(0x1011, 1, 4, LOAD);
+    saver_put(0x1010, 3, 4, SAVE);
+    saver_reset(RESET_NODE);
+    saver_expect("load all, save a part", 0, 20, 6666);
 }
 END_TEST
 
@@ -215,21 +143,21 @@ START_TEST(values_of_other_length)
                                                { 0, HEARS, "605#4001200000000000" },
                                                { 0, SENDS, "585#4101200000000000" } } };
 
-    device_forget(&device);
-    device_talk(&device, &talk);
+    device_forget(&saver_device);
+    device_talk(&saver_device, &talk);
 }
 END_TEST
 
 START_TEST(saved_heartbeat_runs_after_reset)
 {
-    put(0x1017, 0, 2, 100);
-    put(0x1010, 1, 4, SAVE);
-    device_run(&device, CO_MS(50));
-    reset(RESET_NODE);
-    device_run(&device, CO_MS(149));
-    ck_assert_str_eq(device_next_frame(&device, NULL), "");
-    device_run(&device, CO_MS(150));
-    ck_assert_str_eq(device_next_frame(&device, NULL), "705#7F");
+    saver_put(0x1017, 0, 2, 100);
+    saver_put(0x1010, 1, 4, SAVE);
+    device_run(&saver_device, CO_MS(50));
+    saver_reset(RESET_NODE);
+    device_run(&saver_device, CO_MS(149));
+    ck_assert_str_eq(device_next_frame(&saver_device, NULL), "");
+    device_run(&saver_device, CO_MS(150));
+    ck_assert_str_eq(device_next_frame(&saver_device, NULL), "705#7F");
 }
 END_TEST
 
@@ -238,36 +166,36 @@ START_TEST(errors_are_not_saved)
 {
     const struct slave_error error = { .code = 0x1000, .error_register = 1 };
 
-    ck_assert_int_eq(slave_raise_error(&device.slave, &error, 0, &device.out), CO_OK);
-    device_drain(&device);
-    put(0x1010, 1, 4, SAVE);
-    reset(RESET_NODE);
-    ck_assert_uint_eq(device_value(&device, 0x1001, 0), 0);
-    ck_assert_uint_eq(device_value(&device, 0x1003, 0), 0);
+    ck_assert_int_eq(slave_raise_error(&saver_device.slave, &error, 0, &saver_device.out), CO_OK);
+    device_drain(&saver_device);
+    saver_put(0x1010, 1, 4, SAVE);
+    saver_reset(RESET_NODE);
+    ck_assert_uint_eq(device_value(&saver_device, 0x1001, 0), 0);
+    ck_assert_uint_eq(device_value(&saver_device, 0x1003, 0), 0);
 }
 END_TEST
 
 static void verify(uint32_t date, uint32_t time)
 {
-    put(0x1020, 1, 4, date);
-    put(0x1020, 2, 4, time);
+    saver_put(0x1020, 1, 4, date);
+    saver_put(0x1020, 2, 4, time);
 }
 
 static void expect_verified(uint32_t date, uint32_t time)
 {
-    ck_assert_uint_eq(device_value(&device, 0x1020, 1), date);
-    ck_assert_uint_eq(device_value(&device, 0x1020, 2), time);
+    ck_assert_uint_eq(device_value(&saver_device, 0x1020, 1), date);
+    ck_assert_uint_eq(device_value(&saver_device, 0x1020, 2), time);
 }
 
 START_TEST(verification_in_the_order_of_a_configuration)
 {
-    change_all();
+    saver_change_all();
     verify(1, 2);
-    put(0x1010, 1, 4, SAVE);
+    saver_put(0x1010, 1, 4, SAVE);
     expect_verified(1, 2);
-    reset(RESET_NODE);
+    saver_reset(RESET_NODE);
     expect_verified(1, 2);
-    reset(RESET_COMMUNICATION);
+    saver_reset(RESET_COMMUNICATION);
     expect_verified(1, 2);
 }
 END_TEST
@@ -287,10 +215,10 @@ START_TEST(a_change_ends_verification)
 
     const struct slave_error error = { .code = 0x1000, .error_register = 1 };
 
-    ck_assert_int_eq(slave_raise_error(&device.slave, &error, 0, &device.out), CO_OK);
-    device_drain(&device);
+    ck_assert_int_eq(slave_raise_error(&saver_device.slave, &error, 0, &saver_device.out), CO_OK);
+    device_drain(&saver_device);
     verify(1, 2);
-    put(changes[_i].index, changes[_i].sub, changes[_i].size, changes[_i].value);
+    saver_put(changes[_i].index, changes[_i].sub, changes[_i].size, changes[_i].value);
     expect_verified(changes[_i].date, changes[_i].time);
 }
 END_TEST
@@ -298,8 +226,8 @@ END_TEST
 START_TEST(a_refused_write_does_not_end_verification)
 {
     verify(1, 2);
-    ck_assert_uint_eq(device_write(&device, 0x1005, 0, 4, 0x7F), SDO_INVALID_VALUE);
-    ck_assert_uint_eq(device_write(&device, 0x2000, 0, 4, 0x7F), SDO_TOO_LONG);
+    ck_assert_uint_eq(device_write(&saver_device, 0x1005, 0, 4, 0x7F), SDO_INVALID_VALUE);
+    ck_assert_uint_eq(device_write(&saver_device, 0x2000, 0, 4, 0x7F), SDO_TOO_LONG);
     expect_verified(1, 2);
 }
 END_TEST
@@ -308,15 +236,15 @@ END_TEST
 START_TEST(half_restored_is_not_verified)
 {
     verify(1, 2);
-    put(0x1010, 1, 4, SAVE);
-    put(0x1006, 0, 4, 7);
+    saver_put(0x1010, 1, 4, SAVE);
+    saver_put(0x1006, 0, 4, 7);
     expect_verified(0, 0);
-    reset(RESET_COMMUNICATION);
+    saver_reset(RESET_COMMUNICATION);
     expect_verified(1, 2);
-    put(0x2000, 0, 2, 7);
-    reset(RESET_COMMUNICATION);
+    saver_put(0x2000, 0, 2, 7);
+    saver_reset(RESET_COMMUNICATION);
     expect_verified(0, 0);
-    reset(RESET_NODE);
+    saver_reset(RESET_NODE);
     expect_verified(1, 2);
 }
 END_TEST
@@ -333,45 +261,46 @@ START_TEST(a_text_is_no_verification)
     };
     uint8_t text[12] = "ABCDEFGHIJK";
 
-    device_done(&device);
-    device_init(&device, with_text);
-    ck_assert_int_eq(od_refer(od_find(&device.od, 0x1020, 1), text, sizeof text, sizeof text, true),
-                     CO_OK);
-    device_start(&device);
-    put(0x6000, 0, 2, 5);
-    put(0x1010, 4, 4, SAVE);
-    reset(RESET_NODE);
-    ck_assert_str_eq((const char *)od_find(&device.od, 0x1020, 1)->value, "ABCDEFGHIJK");
+    device_done(&saver_device);
+    device_init(&saver_device, with_text);
+    ck_assert_int_eq(
+        od_refer(od_find(&saver_device.od, 0x1020, 1), text, sizeof text, sizeof text, true),
+        CO_OK);
+    device_start(&saver_device);
+    saver_put(0x6000, 0, 2, 5);
+    saver_put(0x1010, 4, 4, SAVE);
+    saver_reset(RESET_NODE);
+    ck_assert_str_eq((const char *)od_find(&saver_device.od, 0x1020, 1)->value, "ABCDEFGHIJK");
 }
 END_TEST
 
 START_TEST(half_saved_is_not_verified)
 {
-    change_all();
+    saver_change_all();
     verify(1, 2);
-    put(0x1010, 2, 4, SAVE);
+    saver_put(0x1010, 2, 4, SAVE);
     expect_verified(1, 2);
-    reset(RESET_NODE);
-    expect("half saved", 1111, 20, 60);
+    saver_reset(RESET_NODE);
+    saver_expect("half saved", 1111, 20, 60);
     expect_verified(0, 0);
     verify(1, 2);
-    put(0x1010, 1, 4, SAVE);
-    put(0x6000, 0, 2, 5);
-    put(0x1010, 3, 4, SAVE);
-    reset(RESET_NODE);
-    expect("half saved later", 1111, 20, 5);
+    saver_put(0x1010, 1, 4, SAVE);
+    saver_put(0x6000, 0, 2, 5);
+    saver_put(0x1010, 3, 4, SAVE);
+    saver_reset(RESET_NODE);
+    saver_expect("half saved later", 1111, 20, 5);
     expect_verified(0, 0);
 }
 END_TEST
 
 START_TEST(loaded_is_not_verified)
 {
-    change_all();
+    saver_change_all();
     verify(1, 2);
-    put(0x1010, 1, 4, SAVE);
-    put(0x1011, 3, 4, LOAD);
-    reset(RESET_NODE);
-    expect("application's defaults", 1111, 2222, 60);
+    saver_put(0x1010, 1, 4, SAVE);
+    saver_put(0x1011, 3, 4, LOAD);
+    saver_reset(RESET_NODE);
+    saver_expect("application's defaults", 1111, 2222, 60);
     expect_verified(0, 0);
 }
 END_TEST
@@ -381,10 +310,10 @@ END_TEST
 /* What clients cannot write is no parameter: its value is the device's own business. */
 START_TEST(values_of_the_device_are_not_saved)
 {
-    od_set_number(&device.od, 0x2002, 0, 7);
-    put(0x1010, 1, 4, SAVE);
-    reset(RESET_NODE);
-    ck_assert_uint_eq(device_value(&device, 0x2002, 0), 1);
+    od_set_number(&saver_device.od, 0x2002, 0, 7);
+    saver_put(0x1010, 1, 4, SAVE);
+    saver_reset(RESET_NODE);
+    ck_assert_uint_eq(device_value(&saver_device, 0x2002, 0), 1);
 }
 END_TEST
 
@@ -392,13 +321,13 @@ END_TEST
 START_TEST(domains_are_not_saved)
 {
     static uint8_t memory[64] = "program";
-    struct od_entry *domain = od_find(&device.od, 0x2003, 0);
+    struct od_entry *domain = od_find(&saver_device.od, 0x2003, 0);
 
     ck_assert_int_eq(od_refer(domain, memory, 7, sizeof memory, true), CO_OK);
-    put(0x1010, 1, 4, SAVE);
+    saver_put(0x1010, 1, 4, SAVE);
     memcpy(memory, "changed", 7);
-    put(0x1011, 1, 4, LOAD);
-    reset(RESET_NODE);
+    saver_put(0x1011, 1, 4, LOAD);
+    saver_reset(RESET_NODE);
     ck_assert_mem_eq(domain->value, "changed", 7);
     ck_assert_ptr_null(domain->initial);
 }
@@ -408,17 +337,17 @@ END_TEST
 START_TEST(strings_that_a_reset_has_no_room_for)
 {
     static uint8_t small[4] = "ab", large[16];
-    struct od_entry *string = od_find(&device.od, 0x2001, 0);
+    struct od_entry *string = od_find(&saver_device.od, 0x2001, 0);
 
     ck_assert_int_eq(od_refer(string, small, 2, sizeof small, true), CO_OK);
     ck_assert_int_eq(od_refer(string, large, 0, sizeof large, false), CO_OK);
     ck_assert_uint_eq(od_set(string, (const uint8_t *)"12345", 5), SDO_OK);
-    change_all();
-    ck_assert_uint_eq(device_write(&device, 0x1010, 1, 4, SAVE), SDO_HARDWARE);
-    put(0x1010, 3, 4, SAVE);
+    saver_change_all();
+    ck_assert_uint_eq(device_write(&saver_device, 0x1010, 1, 4, SAVE), SDO_HARDWARE);
+    saver_put(0x1010, 3, 4, SAVE);
     ck_assert_uint_eq(od_set(string, (const uint8_t *)"1234", 4), SDO_OK);
-    reset(RESET_NODE);
-    expect("only one group", 0, 20, 6666);
+    saver_reset(RESET_NODE);
+    saver_expect("only one group", 0, 20, 6666);
     ck_assert_ptr_eq(string->value, small);
     ck_assert_uint_eq(string->size, 2);
 }
@@ -426,25 +355,25 @@ END_TEST
 
 static void switch_off_and_on(void)
 {
-    slave_done(&device.slave);
-    od_reset(&device.od, 0, 0xFFFF);
-    ck_assert_int_eq(slave_init(&device.slave, DEVICE_NODE, &device.od), CO_OK);
-    device_start(&device);
+    slave_done(&saver_device.slave);
+    od_reset(&saver_device.od, 0, 0xFFFF);
+    ck_assert_int_eq(slave_init(&saver_device.slave, DEVICE_NODE, &saver_device.od), CO_OK);
+    device_start(&saver_device);
 }
 
 /* The owner may make the device anew on the same dictionary. */
 START_TEST(defaults_outlive_the_device)
 {
-    change_all();
-    put(0x1010, 1, 4, SAVE);
+    saver_change_all();
+    saver_put(0x1010, 1, 4, SAVE);
     switch_off_and_on();
-    expect("saved", 1111, 2222, 6666);
-    put(0x1011, 4, 4, LOAD);
+    saver_expect("saved", 1111, 2222, 6666);
+    saver_put(0x1011, 4, 4, LOAD);
     switch_off_and_on();
-    expect("one group loaded", 1111, 20, 6666);
-    put(0x1011, 1, 4, LOAD);
-    reset(RESET_NODE);
-    expect("loaded", 0, 20, 60);
+    saver_expect("one group loaded", 1111, 20, 6666);
+    saver_put(0x1011, 1, 4, LOAD);
+    saver_reset(RESET_NODE);
+    saver_expect("loaded", 0, 20, 60);
 }
 END_TEST
 
@@ -453,7 +382,7 @@ static Suite *make_suite(void)
     Suite *suite = suite_create("slave_store");
     TCase *tcase = tcase_create("slave_store");
 
-    tcase_add_checked_fixture(tcase, setup, teardown);
+    tcase_add_checked_fixture(tcase, saver_setup, saver_teardown);
     suite_add_tcase(suite, tcase);
     tcase_add_loop_test(tcase, save_and_load, 0, (int)(sizeof cases / sizeof cases[0]));
     tcase_add_test(tcase, wrong_signatures_change_nothing);

@@ -1,5 +1,6 @@
 /* SDO client: block downloads. The time-out is 200 ms. */
 #include "support/client_bench.h"
+#include "support/suite.h"
 
 #include <check.h>
 
@@ -294,16 +295,9 @@ END_TEST
 
 int main(void)
 {
-    Suite *suite = suite_create("sdo_client_block_down");
     TCase *tcase = tcase_create("sdo_client_block_down");
-    SRunner *runner = srunner_create(suite);
-    int failed;
 
     tcase_add_loop_test(tcase, test_conversation, 0, TALK_COUNT * TALK_STALLS);
     tcase_add_test(tcase, test_what_awaits_the_wire);
-    suite_add_tcase(suite, tcase);
-    srunner_run_all(runner, CK_NORMAL);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return suite_run("sdo_client_block_down", tcase);
 }

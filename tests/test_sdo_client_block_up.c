@@ -1,5 +1,6 @@
 /* SDO client: block uploads. Sub-blocks are of 4 segments, the time-out is 200 ms. */
 #include "support/client_bench.h"
+#include "support/suite.h"
 
 #include <check.h>
 
@@ -393,15 +394,8 @@ END_TEST
 
 int main(void)
 {
-    Suite *suite = suite_create("sdo_client_block_up");
     TCase *tcase = tcase_create("sdo_client_block_up");
-    SRunner *runner = srunner_create(suite);
-    int failed;
 
     tcase_add_loop_test(tcase, test_conversation, 0, TALK_COUNT * TALK_STALLS);
-    suite_add_tcase(suite, tcase);
-    srunner_run_all(runner, CK_NORMAL);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return suite_run("sdo_client_block_up", tcase);
 }

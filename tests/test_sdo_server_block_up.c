@@ -3,6 +3,7 @@
  * conformance check.
  */
 #include "support/server_bench.h"
+#include "support/suite.h"
 
 #include <check.h>
 
@@ -311,15 +312,8 @@ END_TEST
 
 int main(void)
 {
-    Suite *suite = suite_create("sdo_server_block_up");
     TCase *tcase = tcase_create("sdo_server_block_up");
-    SRunner *runner = srunner_create(suite);
-    int failed;
 
     tcase_add_loop_test(tcase, test_conversation, 0, TALK_COUNT * TALK_STALLS);
-    suite_add_tcase(suite, tcase);
-    srunner_run_all(runner, CK_NORMAL);
-    failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed != 0;
+    return suite_run("sdo_server_block_up", tcase);
 }

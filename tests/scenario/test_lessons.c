@@ -1,0 +1,575 @@
+/*
+ * What users of other stacks have lost days with: each test is one such story, in plain words.
+ */
+#include "od/od_store.h"
+#include "support/suite.h"
+#include "support/watch.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define GUARDED    "<Guard_Time>100</Guard_Time><Life_Time_Factor>3</Life_Time_Factor>"
+#define HEARTBEAT  "<Consumer_Heartbeat_Time>500</Consumer_Heartbeat_Time>"
+#define KEPT_ALIVE "<NMT_Check_Nodestate>TRUE</NMT_Check_Nodestate>"
+#define MANDATORY  "<NMT_Mandatory_Slave>TRUE</NMT_Mandatory_Slave>"
+#define VENDOR     "<Vendor_Identification>0x29A</Vendor_Identification>"
+
+#define ENTRIES 5u
+
+/* Nodes 5 and 6, each with entries to write; further nodes of the XML are absent. */
+static struct plant *make_plant(const char *xml)
+{
+    struct plant *plant = plant_new(xml, 1000000);
+
+    for (uint8_t node = 5; node <= 6; node++) {
+        struct plant_device *device = plant_add_device(plant, node);
+
+        for (uint8_t sub = 1; sub <= ENTRIES; sub++) {
+            plant_add_object(device, 0x6200, sub, 1, 0);
+            plant_configure(plant, node, 0x6200, sub, 1, 0x50u + sub);
+        }
+    }
+    watch_start(plant);
+    return plant;
+}
+
+static void beat(struct plant *plant, uint8_t node)
+{
+    plant_configure(plant, node, 0x1017, 0, 2, 200);
+}
+
+static void restart(struct plant *plant, uint8_t node)
+{
+    plant_power(plant, node, false);
+    plant_power(plant, node, true);
+}
+
+static void unplug(struct plant *plant, uint8_t node, bool unplugged)
+{
+    plant->devices[node]->sim->unplugged = unplugged;
+}
+
+/* --- 1: the boot-up message of a node that is guarded and kept alive --- */
+
+/*
+ * It does not run when the manager looks: it is reset, its boot-up message is seen though nobody
+ * watches it by a heartbeat, it is booted at once and guarded from then on.
+ */
+START_TEST(test_guarded_node_is_seen_to_boot)
+{
+    struct plant *plant = make_plant(PLANT_NODE(5, GUARDED KEPT_ALIVE) PLANT_NODE(6, ""));
+
+    plant_power_on(plant);
+    plant_run_ms(plant, 1200);
+    watch_expect_up(plant, "is not up");
+    ck_assert_uint_eq(plant_sent(plant, "000#8205"), 1);
+    ck_assert_uint_eq(plant_said_times(plant, "node 5: boot-up message"), 1);
+    ck_assert_uint_ge(plant_sent(plant, "705#R"), 5);
+    ck_assert(!plant_said(plant, "boot error"));
+    plant_free(plant);
+}
+END_TEST
+
+/* It runs and is left alone; then its power fails for a moment: the boot-up message tells. */
+START_TEST(test_guarded_node_is_seen_to_restart)
+{
+    struct plant *plant = make_plant(PLANT_NODE(5, GUARDED KEPT_ALIVE) PLANT_NODE(6, ""));
+
+    plant_add_object(plant->devices[5], 0x1F80, 0, 4, 0); /* starts by itself */
+    plant_power_on(plant);
+    plant_run_ms(plant, 1000);
+    ck_assert(plant_said(plant, "node 5: is running already: kept alive (L)"));
+    ck_assert_uint_eq(plant_sent(plant, "605#2"), 0);
+    od_set_number(&plant->devices[5]->od, 0x1F80, 0, 4);
+    ck_assert_int_eq(od_store(&plant->devices[5]->od, 0x1F80, 0x1F80), CO_OK);
+    restart(plant, 5);
+    plant_run_ms(plant, 1000);
+    watch_expect_up(plant, "is not up again");
+    ck_assert_uint_eq(plant_said_times(plant, "node 5: boot-up message"), 1);
+    ck_assert_uint_eq(plant_sent(plant, "605#2"), ENTRIES);
+    ck_assert(!plant_said(plant, "no answer to guarding"));
+    plant_free(plant);
+}
+END_TEST
+
+/* --- 2: a node that restarts in the middle of its configuration --- */
+
+static enum sim_fate restart_at_write(struct plant *plant, const struct co_frame *frame,
+                                      uint8_t sender)
+{
+    unsigned *left = plant->fault_context;
+
+    (void)sender;
+    if (frame->id == 0x605 && frame->data[0] == 0x2F && --*left == 0)
+        slave_command(&plant->devices[5]->slave, NMT_RESET_NODE, plant->sim.now,
+                      &plant->devices[5]->sim->box);
+    return SIM_DELIVER;
+}
+
+/* At each of its entries: the boot begins anew, at 1000h, and no entry is left out. */
+START_TEST(test_restart_in_mid_configuration)
+{
+    unsigned left = (unsigned)_i + 1;
+    struct plant *plant = make_plant(PLANT_NODE(5, VENDOR) PLANT_NODE(6, ""));
+    char talk[PLANT_TALK_SIZE];
+
+    plant->fault = restart_at_write;
+    plant->fault_context = &left;
+    plant_power_on(plant);
+    plant_run_ms(plant, 500);
+    watch_expect_up(plant, "is not up");
+    ck_assert_uint_eq(plant_sent(plant, "605#40001000"), 2);
+    ck_assert_uint_eq(plant_sent(plant, "000#8205"), 0);
+    snprintf(talk, sizeof talk, "%s", plant_talk(plant, 5));
+    ck_assert_ptr_nonnull(strstr(talk, " r1018:1 w6200:1=51 w6200:2=52 w6200:3=53 w6200:4=54 "
+                                       "w6200:5=55"));
+    plant_free(plant);
+}
+END_TEST
+
+/* --- 3: retries, the node's own time-out, and one limit for all steps --- */
+
+/* Silence twice, then an answer: whatever is read, the boot goes on where it was. */
+START_TEST(test_reads_are_repeated)
+{
+    static const char *const requests[] = { "605#40001000", "605#40181001", "605#40181004",
+                                            "605#40201001", "605#40561F01" };
+    struct plant *plant = make_plant(
+        PLANT_NODE(5, VENDOR "<Serial_Number>5</Serial_Number>"
+                             "<NMT_Verify_Software>TRUE</NMT_Verify_Software>"
+                             "<Software_Identification>7</Software_Identification>"
+                             "<Configuration_Date>5000</Configuration_Date>"
+                             "<Configuration_Time>6000</Configuration_Time>") PLANT_NODE(6, ""));
+
+    plant_add_object(plant->devices[5], 0x1F56, 1, 4, 7);
+    plant_add_object(plant->devices[5], 0x1020, 1, 4, 0);
+    plant_lie(plant, requests[_i], NULL, 2);
+    plant_power_on(plant);
+    plant_run_ms(plant, 800);
+    watch_expect_up(plant, requests[_i]);
+    ck_assert_uint_eq(plant_sent(plant, requests[_i]), 3);
+    ck_assert(!plant_said(plant, "boot error"));
+    ck_assert_uint_eq(plant_sent(plant, "605#2"), ENTRIES); /* no write is repeated */
+    plant_free(plant);
+}
+END_TEST
+
+/* Each node has its own time: what is too slow for one is not for the other. */
+static enum sim_fate answer_late(struct plant *plant, const struct co_frame *frame, uint8_t sender)
+{
+    (void)sender;
+    if (frame->id == 0x605 || frame->id == 0x606)
+        plant->devices[frame->id & 0x7Fu]->sim->hold_until = plant->sim.now + CO_MS(300);
+    return SIM_DELIVER;
+}
+
+START_TEST(test_time_out_of_each_node)
+{
+    struct plant *plant = make_plant(PLANT_NODE(5, "<SDO_Timeout>400</SDO_Timeout>")
+                                         PLANT_NODE(6, ""));
+
+    plant->fault = answer_late;
+    plant_power_on(plant);
+    plant_run_ms(plant, 4000);
+    ck_assert(plant_node(plant, 5)->booted);
+    ck_assert(!plant_node(plant, 6)->booted);
+    ck_assert(plant_said(plant, "node 6: boot error B: read 1000h:00 device type: no answer within "
+                                "200 ms (3 tries)"));
+    plant->fault = NULL; /* and late answers of before harm nobody */
+    plant_run_ms(plant, 3000);
+    watch_expect_up(plant, "is not up");
+    plant_free(plant);
+}
+END_TEST
+
+/* Wherever the mandatory node hangs, Boot_Time is over when it is over, and says who it was. */
+static const struct hang {
+    const char *name, *node, *request, *answer;
+    uint8_t step;
+} hangs[] = {
+    { "absent", "", "605#4000", NULL, BOOT_DEVICE_TYPE },
+    { "in its identity", VENDOR "<SDO_Timeout>5000</SDO_Timeout>", "605#4018", NULL,
+      BOOT_IDENTITY },
+    { "busy for ever", "", "605#2F", "585#8000620122000008", BOOT_RETRY },
+    { "in a write", "<SDO_Timeout>5000</SDO_Timeout>", "605#2F", NULL, BOOT_CONFIGURE },
+    { "in its flash", "<Save_Configuration>TRUE</Save_Configuration>", "605#2310", NULL,
+      BOOT_SAVE },
+    { "before its heartbeat", "<Consumer_Heartbeat_Time>5000</Consumer_Heartbeat_Time>", NULL, NULL,
+      BOOT_ERROR_CONTROL },
+};
+
+START_TEST(test_boot_time_covers_each_step)
+{
+    const struct hang *hang = &hangs[_i];
+    char xml[1024];
+    struct plant *plant;
+
+    snprintf(xml, sizeof xml,
+             "<Boot_Time>1500</Boot_Time><Node_Instance><Node_Id>5</Node_Id>" MANDATORY
+             "%s</Node_Instance>" PLANT_NODE(6, ""),
+             hang->node);
+    plant = make_plant(xml);
+    if (hang->request)
+        plant_lie(plant, hang->request, hang->answer, 1000);
+    plant_power_on(plant);
+    plant_run_ms(plant, 200 + 1499);
+    ck_assert_msg(plant->manager->state == NETWORK_BOOTING, "%s", hang->name);
+    ck_assert_msg(hang->step == plant_node(plant, 5)->step || _i == 0, "%s: %u", hang->name,
+                  plant_node(plant, 5)->step);
+    plant_run_ms(plant, 2);
+    ck_assert_msg(plant_said(plant, "network not started: mandatory node 5 is missing after 1500 "
+                                    "ms (Boot_Time)"),
+                  "%s:\n%s", hang->name, plant->events);
+    ck_assert_uint_eq(plant_sent(plant, "000#01"), 0);
+    plant_free(plant);
+}
+END_TEST
+
+/* --- 4: a refused write says which, and can be asked for later --- */
+
+START_TEST(test_record_of_refused_write)
+{
+    struct plant *plant = make_plant(PLANT_NODE(5, "") PLANT_NODE(6, ""));
+    const struct boot_failure *last = &plant_node(plant, 5)->history.last;
+
+    plant_lie(plant, "605#2F006203", "585#8000620330000906", 1);
+    plant_power_on(plant);
+    plant_run_ms(plant, 1000);
+    ck_assert(plant_said(plant, "node 5: boot error J: write 6200h:03 = 53h (entry 3 of 5 of the "
+                                "configuration): the node answers abort 06090030h"));
+    restart(plant, 5); /* somebody mends it: what it was is still known */
+    plant_run_ms(plant, 1000);
+    watch_expect_up(plant, "is not up");
+    ck_assert_int_eq(plant_node(plant, 5)->failure.letter, 0);
+    ck_assert_uint_eq(plant_node(plant, 5)->history.failures, 1);
+    ck_assert_int_eq(last->letter, 'J');
+    ck_assert_uint_eq(last->index, 0x6200);
+    ck_assert_uint_eq(last->sub, 3);
+    ck_assert_uint_eq(last->entry, 3);
+    ck_assert_uint_eq(last->expected, 0x53);
+    ck_assert_uint_eq(last->size, 1);
+    ck_assert_uint_eq(last->abort_code, 0x06090030);
+    plant_free(plant);
+}
+END_TEST
+
+/* --- 5: a halt is no end --- */
+
+/* A wrong device stands at a mandatory node; it is exchanged, and the network starts. */
+START_TEST(test_halt_is_lifted)
+{
+    struct plant *plant = make_plant(PLANT_NODE(5, MANDATORY "<Serial_Number>5</Serial_Number>")
+                                         PLANT_NODE(6, ""));
+
+    plant_lie(plant, "605#40181004", "585#431810044D000000", 1);
+    plant_power_on(plant);
+    plant_run_ms(plant, 1000);
+    ck_assert_int_eq(plant->manager->state, NETWORK_HALTED);
+    ck_assert_uint_eq(plant_sent(plant, "000#01"), 0);
+    restart(plant, 5);
+    plant_run_ms(plant, 1000);
+    watch_expect_up(plant, "is not up");
+    ck_assert_uint_eq(plant_said_times(plant, "network is up: 2 of 2 nodes booted"), 1);
+    plant_free(plant);
+}
+END_TEST
+
+/* The manager goes to pre-operational and back, and nobody is reset or configured for it. */
+START_TEST(test_manager_in_preoperational)
+{
+    struct plant *plant = make_plant(PLANT_NODE(5, MANDATORY) PLANT_NODE(6, ""));
+
+    plant_power_on(plant);
+    plant_run_ms(plant, 1000);
+    plant->sim.trace_count = 0;
+    ck_assert_int_eq(plant_command(plant, NMT_ENTER_PREOPERATIONAL, 127), CO_OK);
+    plant_run_ms(plant, 1000);
+    ck_assert_int_eq(plant->manager->device.state, NMT_PREOPERATIONAL);
+    ck_assert_int_eq(plant->devices[5]->slave.state, NMT_OPERATIONAL);
+    ck_assert_int_eq(plant_command(plant, NMT_START, 127), CO_OK);
+    plant_run_ms(plant, 1000);
+    watch_expect_up(plant, "is not up");
+    ck_assert_uint_eq(plant_sent(plant, "000#"), 0);
+    ck_assert_uint_eq(plant_sent(plant, "605#"), 0);
+    plant_free(plant);
+}
+END_TEST
+
+/* --- 6: SDO as devices speak it --- */
+
+/* The first answer comes when the second request has been sent: it is not taken for the next. */
+static enum sim_fate hold_first_answer(struct plant *plant, const struct co_frame *frame,
+                                       uint8_t sender)
+{
+    unsigned *held = plant->fault_context;
+
+    (void)sender;
+    if (frame->id == 0x605 && frame->data[0] == 0x40 && frame->data[1] == 0x18 && (*held)++ == 0)
+        plant->devices[5]->sim->hold_until = plant->sim.now + CO_MS(201);
+    return SIM_DELIVER;
+}
+
+START_TEST(test_late_answer)
+{
+    unsigned held = 0;
+    struct plant *plant = make_plant(
+        PLANT_NODE(5, VENDOR "<Product_Code>1</Product_Code><Serial_Number>5</Serial_Number>")
+            PLANT_NODE(6, ""));
+
+    plant->fault = hold_first_answer;
+    plant->fault_context = &held;
+    plant_power_on(plant);
+    plant_run_ms(plant, 1000);
+    watch_expect_up(plant, "is not up");
+    ck_assert(!plant_said(plant, "boot error"));
+    plant_free(plant);
+}
+END_TEST
+
+/* The last segment of a block is lost on the wire: it alone is sent again. */
+static enum sim_fate lose_last_segment(struct plant *plant, const struct co_frame *frame,
+                                       uint8_t sender)
+{
+    bool *lost = plant->fault_context;
+
+    (void)sender;
+    if (frame->id != 0x605 || *lost || frame->data[0] != 0x85)
+        return SIM_DELIVER;
+    *lost = true;
+    return SIM_UNHEARD;
+}
+
+START_TEST(test_last_segment_of_block_is_lost)
+{
+    static const uint8_t text[] = "thirty-two bytes of configuration";
+    const struct od_spec spec = {
+        .index = 0x2010, .type = OD_VISIBLE_STRING, .access = OD_RW, .capacity = 40
+    };
+    struct plant *plant = make_plant(PLANT_NODE(6, "")
+                                         PLANT_NODE(5, "<SDO_Block_Size>127</SDO_Block_Size>"
+                                                       "<SDO_Timeout>2500</SDO_Timeout>"));
+    struct od_entry *entry;
+    bool lost = false;
+
+    ck_assert_int_eq(od_add(&plant->devices[5]->od, &spec, &entry), CO_OK);
+    for (size_t i = 0; i < plant->config->node_count; i++)
+        if (plant->config->nodes[i].node_id == 5)
+            ck_assert_int_eq(
+                ccf_append(&plant->config->nodes[i].ccf, 0x2010, 0, text, sizeof text - 1), CO_OK);
+    plant->fault = lose_last_segment;
+    plant->fault_context = &lost;
+    plant_power_on(plant);
+    plant_run_ms(plant, 5000);
+    ck_assert(lost);
+    ck_assert_msg(plant_node(plant, 5)->booted, "%s", plant->events);
+    ck_assert_uint_eq(entry->size, sizeof text - 1);
+    ck_assert_mem_eq(entry->value, text, sizeof text - 1);
+    ck_assert_uint_eq(plant_sent(plant, "605#211020"), 0); /* no second attempt, in segments */
+    ck_assert(!plant_said(plant, "boot error"));
+    plant_free(plant);
+}
+END_TEST
+
+/* A burst of orders with room for four frames: all go out, in their order, none is refused. */
+START_TEST(test_orders_wait_for_room)
+{
+    static const enum nmt_command commands[] = { NMT_STOP, NMT_ENTER_PREOPERATIONAL, NMT_START };
+    struct plant *plant = make_plant(PLANT_NODE(5, "") PLANT_NODE(6, ""));
+    unsigned next = 0;
+
+    plant->sim.box_size = 4;
+    plant_power_on(plant);
+    plant_run_ms(plant, 1000);
+    plant->sim.trace_count = 0;
+    for (unsigned i = 0; i < 30; i++)
+        ck_assert_int_eq(plant_command(plant, commands[i % 3], 5), CO_OK);
+    plant_run_ms(plant, 100);
+    for (size_t i = 0; i < plant->sim.trace_count; i++)
+        if (plant->sim.trace[i].frame.id == NMT_CAN_ID)
+            ck_assert_uint_eq(plant->sim.trace[i].frame.data[0], commands[next++ % 3]);
+    ck_assert_uint_eq(next, 30);
+    watch_expect_up(plant, "is not up");
+    plant_free(plant);
+}
+END_TEST
+
+/* --- 7: a stall, and a node that cannot stop complaining --- */
+
+/* The computer stands still for ten seconds: one heartbeat follows, and one request to a node. */
+START_TEST(test_no_burst_after_a_stall)
+{
+    struct plant *plant = make_plant(
+        "<Heartbeat_Producer_Time>100</Heartbeat_Producer_Time>" PLANT_NODE(5, GUARDED)
+            PLANT_NODE(6, ""));
+
+    plant_power_on(plant);
+    plant_run_ms(plant, 1000);
+    plant->manager_device->active = false;
+    plant_run_ms(plant, 10000);
+    plant->sim.trace_count = 0;
+    plant->manager_device->active = true;
+    plant_run_ms(plant, 99);
+    ck_assert_uint_eq(plant_sent(plant, "77F#05"), 1);
+    ck_assert_uint_eq(plant_sent(plant, "705#R"), 1);
+    plant_run_ms(plant, 900);
+    ck_assert_uint_eq(plant_sent(plant, "77F#05"), 10);
+    ck_assert(!plant_said(plant, "no answer to guarding")); /* it was us who did not ask */
+    watch_expect_up(plant, "is not up");
+    plant_free(plant);
+}
+END_TEST
+
+/* Thousands of emergencies, as fast as the bus takes them: told, and the other node boots. */
+static enum sim_fate flood(struct plant *plant, const struct co_frame *frame, uint8_t sender)
+{
+    (void)sender;
+    if (frame->id == 0x085 || frame->id == 0x706)
+        sim_say(&plant->sim, "085#1023020000000000");
+    return SIM_DELIVER;
+}
+
+START_TEST(test_flood_of_emergencies)
+{
+    struct plant *plant = make_plant(PLANT_NODE(5, "") PLANT_NODE(6, VENDOR));
+
+    plant_power_on(plant);
+    plant_run_ms(plant, 1000);
+    plant->fault = flood;
+    restart(plant, 6);
+    plant_run_ms(plant, 300);
+    ck_assert_uint_ge(plant_sent(plant, "085#"), 2000);
+    plant->fault = NULL;
+    plant_run_ms(plant, 3000);
+    watch_expect_up(plant, "is not up");
+    ck_assert_uint_eq(plant->manager->dropped, 0);
+    plant_free(plant);
+}
+END_TEST
+
+/* --- 8: a broadcast starts whoever hears it --- */
+
+/* Node 5 may be started; of the others somebody must not: then nobody hears a broadcast. */
+static const struct unstartable {
+    const char *name, *xml;
+    const char *request, *answer;
+} unstartables[] = {
+    { "absent", PLANT_NODE(7, ""), NULL, NULL },
+    { "another device", PLANT_NODE(6, "<Serial_Number>77</Serial_Number>"), NULL, NULL },
+    { "refuses its configuration", PLANT_NODE(6, ""), "606#2F", "586#8000620130000906" },
+    { "has no heartbeat", PLANT_NODE(6, HEARTBEAT), NULL, NULL },
+    { "is left to the application",
+      PLANT_NODE(6, "<NMT_Auto_Start_Slave>FALSE</NMT_Auto_Start_Slave>"), NULL, NULL },
+    { "is another master's", PLANT_NODE(6, "<NMT_Slave>FALSE</NMT_Slave>"), NULL, NULL },
+};
+
+START_TEST(test_no_broadcast)
+{
+    const struct unstartable *row = &unstartables[_i];
+    char xml[1024];
+    struct plant *plant;
+
+    snprintf(xml, sizeof xml, "<NMT_Start_All>TRUE</NMT_Start_All>" PLANT_NODE(5, MANDATORY) "%s",
+             row->xml);
+    plant = make_plant(xml);
+    if (row->request)
+        plant_lie(plant, row->request, row->answer, 1000);
+    plant_power_on(plant);
+    plant_run_ms(plant, 2000);
+    ck_assert_msg(plant_sent(plant, "000#0100") == 0, "%s", row->name);
+    ck_assert_msg(plant_sent(plant, "000#0105") == 1, "%s", row->name);
+    ck_assert_msg(plant_sent(plant, "000#01") == 1, "%s", row->name);
+    ck_assert_int_eq(plant->devices[5]->slave.state, NMT_OPERATIONAL);
+    ck_assert_int_eq(plant->devices[6]->slave.state, NMT_PREOPERATIONAL);
+    plant_free(plant);
+}
+END_TEST
+
+/* --- 9: a node that has missed the reset --- */
+
+/* Its cable is out when it is reset. It comes back as it went: the reset is sent again. */
+START_TEST(test_reset_is_repeated)
+{
+    struct plant *plant = make_plant(PLANT_NODE(5, HEARTBEAT MANDATORY) PLANT_NODE(6, ""));
+
+    beat(plant, 5);
+    plant_power_on(plant);
+    plant_run_ms(plant, 1000);
+    plant->sim.trace_count = 0;
+    unplug(plant, 5, true);
+    plant_run_ms(plant, 5000);
+    ck_assert_uint_eq(plant_sent(plant, "000#8205"), 1);
+    unplug(plant, 5, false);
+    plant_run_ms(plant, 3000);
+    ck_assert_uint_eq(plant_sent(plant, "000#8205"), 2);
+    ck_assert_uint_eq(plant_sent(plant, "605#2F006201"), 1);
+    watch_expect_up(plant, "is not up again");
+    plant_free(plant);
+}
+END_TEST
+
+/*
+ * It was powered off and on, its boot-up message is lost, and so is the reset: its heartbeat alone,
+ * or its answers, tell that it is there. It is booted, not just believed.
+ */
+static enum sim_fate lose_boot_up(struct plant *plant, const struct co_frame *frame, uint8_t sender)
+{
+    unsigned *left = plant->fault_context;
+
+    (void)sender;
+    if (frame->id != 0x705 || frame->data[0] != 0 || *left == 0)
+        return SIM_DELIVER;
+    --*left;
+    return SIM_UNHEARD;
+}
+
+START_TEST(test_back_without_boot_up)
+{
+    unsigned left = 0;
+    struct plant *plant = make_plant(PLANT_NODE(5, HEARTBEAT MANDATORY) PLANT_NODE(6, ""));
+
+    beat(plant, 5);
+    plant->fault = lose_boot_up;
+    plant->fault_context = &left;
+    plant_power_on(plant);
+    plant_run_ms(plant, 1000);
+    plant_power(plant, 5, false);
+    plant_run_ms(plant, 3000);
+    left = 2; /* of the power, and of the reset that is repeated */
+    plant_power(plant, 5, true);
+    plant_run_ms(plant, 3000);
+    ck_assert_uint_eq(left, 0);
+    watch_expect_up(plant, "is not up again");
+    plant_free(plant);
+}
+END_TEST
+
+#define ROWS(table) (int)(sizeof(table) / sizeof *(table))
+
+static TCase *make_tests(void)
+{
+    TCase *tcase = tcase_create("lessons");
+
+    tcase_add_test(tcase, test_guarded_node_is_seen_to_boot);
+    tcase_add_test(tcase, test_guarded_node_is_seen_to_restart);
+    tcase_add_loop_test(tcase, test_restart_in_mid_configuration, 0, (int)ENTRIES);
+    tcase_add_loop_test(tcase, test_reads_are_repeated, 0, 5);
+    tcase_add_test(tcase, test_time_out_of_each_node);
+    tcase_add_loop_test(tcase, test_boot_time_covers_each_step, 0, ROWS(hangs));
+    tcase_add_test(tcase, test_record_of_refused_write);
+    tcase_add_test(tcase, test_halt_is_lifted);
+    tcase_add_test(tcase, test_manager_in_preoperational);
+    tcase_add_test(tcase, test_late_answer);
+    tcase_add_test(tcase, test_last_segment_of_block_is_lost);
+    tcase_add_test(tcase, test_orders_wait_for_room);
+    tcase_add_test(tcase, test_no_burst_after_a_stall);
+    tcase_add_test(tcase, test_flood_of_emergencies);
+    tcase_add_loop_test(tcase, test_no_broadcast, 0, ROWS(unstartables));
+    tcase_add_test(tcase, test_reset_is_repeated);
+    tcase_add_test(tcase, test_back_without_boot_up);
+    return tcase;
+}
+
+int main(void)
+{
+    return suite_run("lessons", make_tests());
+}

@@ -5,9 +5,6 @@
 
 #include <string.h>
 
-#define START_FOLLOWED 6u /* of 'unfollowed': it has followed, or never will */
-#define START_COMMANDS (START_FOLLOWED / 2u)
-
 void boot_node_init(struct boot_node *self, uint8_t node, const struct node_config *config)
 {
     memset(self, 0, sizeof *self);
@@ -104,7 +101,7 @@ void boot_node_fail_request(struct boot_node *self, char letter, co_us_t now, st
     boot_node_fail(self, &failure, now, out);
 }
 
-static void succeed(struct boot_node *self, co_us_t now, struct co_outbox *out)
+void boot_node_succeed(struct boot_node *self, co_us_t now, struct co_outbox *out)
 {
     self->tried = true;
     self->booted = true;
@@ -159,7 +156,7 @@ void boot_node_enter_error_control(struct boot_node *self, co_us_t now, struct c
     if (supervision_start(&self->supervision, self->config, now, out, &limit))
         self->deadline = limit;
     else
-        succeed(self, now, out);
+        boot_node_succeed(self, now, out);
 }
 
 /* A node to be kept alive is left alone if it is operational. */
@@ -271,7 +268,7 @@ static void on_device_type(struct boot_node *self, bool ok, co_us_t now, struct 
         read_identity_from(self, 1, now, out);
 }
 
-static void on_state_known(struct boot_node *self, co_us_t now, struct co_outbox *out)
+void boot_node_on_state_known(struct boot_node *self, co_us_t now, struct co_outbox *out)
 {
     self->nmt_state = self->supervision.last_state;
     if (self->nmt_state == NMT_OPERATIONAL) {
@@ -407,75 +404,6 @@ void boot_node_commanded(struct boot_node *self, enum nmt_command command)
         self->nmt_state = (uint8_t)nmt_next_state((enum nmt_state)self->nmt_state, command);
 }
 
-/* --- error control --- */
-
-void boot_node_on_boot_up(struct boot_node *self, const struct co_frame *frame, co_us_t now,
-                          struct co_outbox *out)
-{
-    bool is_watched_only = !boot_node_is_booted_by_master(self) || !self->config->auto_start_slave;
-
-    self->nmt_state = is_watched_only ? NMT_PREOPERATIONAL : NMT_INITIALISING;
-    self->reset_heard = true;
-    self->attempts = 0;
-    if (self->stopped == NODE_STOPPED_AND_RESET) /* else the stop may have come after it */
-        self->stopped = NODE_NOT_STOPPED;
-    self->state_known = true;
-    supervision_on_frame(&self->supervision, frame, now, out);
-    supervision_forget(&self->supervision);
-}
-
-/* A node that was started and has never followed: the command is repeated, a few times. */
-static void check_followed(struct boot_node *self, struct co_outbox *out)
-{
-    if (self->step != BOOT_STARTED || self->unfollowed >= START_FOLLOWED)
-        return;
-    if (self->nmt_state == NMT_OPERATIONAL)
-        self->unfollowed = START_FOLLOWED;
-    else if (++self->unfollowed == START_FOLLOWED)
-        boot_node_put_event(self,
-                            (struct co_event){ .type = MANAGER_NODE_UNFOLLOWED,
-                                               .detail = self->nmt_state,
-                                               .actual = START_COMMANDS },
-                            out);
-    else if (self->unfollowed % 2 == 0) /* the first may have been on its way already */
-        self->start_due = true;
-}
-
-/* It has failed for want of a heartbeat, and here is a steady one. */
-static bool is_steady_at_last(const struct boot_node *self, co_us_t now)
-{
-    return self->step == BOOT_FAILED && self->failure.letter == 'K' &&
-           supervision_is_alive(&self->supervision, now);
-}
-
-void boot_node_on_error_control(struct boot_node *self, const struct co_frame *frame, co_us_t now,
-                                struct co_outbox *out)
-{
-    bool is_steady = is_steady_at_last(self, now);
-    uint8_t node, state;
-
-    if (!nmt_parse_error_control(frame, &node, &state) || state == NMT_INITIALISING)
-        return;
-    supervision_on_frame(&self->supervision, frame, now, out);
-    if (state != self->nmt_state) {
-        self->nmt_state = state;
-        boot_node_put_event(self, (struct co_event){ .type = MANAGER_NODE_STATE, .detail = state },
-                            out);
-    }
-    check_followed(self, out);
-    self->stopped = state == NMT_STOPPED ? NODE_STOPPED : NODE_NOT_STOPPED;
-    if (is_steady)
-        boot_node_enter_error_control(self, now, out);
-}
-
-void boot_node_on_alive(struct boot_node *self, co_us_t now, struct co_outbox *out)
-{
-    if (self->step == BOOT_ERROR_CONTROL)
-        succeed(self, now, out);
-    else if (self->step == BOOT_CHECK_STATE)
-        on_state_known(self, now, out);
-}
-
 /* --- time --- */
 
 static void send_start(struct boot_node *self, struct co_outbox *out)
@@ -506,22 +434,6 @@ static void on_reset_time(struct boot_node *self, co_us_t now, struct co_outbox 
     co_outbox_put_frame(out, &frame);
     self->reset_due = false;
     self->deadline = now + CO_MS(self->config->boot_delay);
-}
-
-bool boot_node_on_silence(struct boot_node *self, co_us_t now, struct co_outbox *out)
-{
-    bool checks = self->step == BOOT_CHECK_STATE;
-    bool guarded = self->config->consumer_heartbeat_time == 0;
-    struct boot_failure failure = { .letter = !checks   ? 'K'
-                                              : guarded ? 'F'
-                                                        : 'E',
-                                    .step = self->step,
-                                    .expected = self->config->consumer_heartbeat_time };
-
-    if (!checks && self->step != BOOT_ERROR_CONTROL)
-        return false;
-    boot_node_fail(self, &failure, now, out);
-    return true;
 }
 
 void boot_node_on_time(struct boot_node *self, co_us_t now, struct co_outbox *out)

@@ -1,6 +1,6 @@
 /*
- * What the parts of a node's boot machine share: boot_node.c, configure_node.c, software.c; nobody
- * else.
+ * What the parts of a node's boot machine share: boot_node.c, boot_node_alive.c,
+ * configure_node.c, software.c; nobody else.
  */
 #ifndef CO_MANAGER_BOOT_STEPS_H
 #define CO_MANAGER_BOOT_STEPS_H
@@ -24,6 +24,10 @@ void boot_node_fail(struct boot_node *self, const struct boot_failure *failure, 
 /* For what its last request has ended with. */
 void boot_node_fail_request(struct boot_node *self, char letter, co_us_t now,
                             struct co_outbox *out);
+/* It has booted. */
+void boot_node_succeed(struct boot_node *self, co_us_t now, struct co_outbox *out);
+/* CHECK_STATE: it has told. */
+void boot_node_on_state_known(struct boot_node *self, co_us_t now, struct co_outbox *out);
 void boot_node_enter_error_control(struct boot_node *self, co_us_t now, struct co_outbox *out);
 
 /* configure_node.c: CHECK_CONFIGURATION, CONFIGURE and SAVE (CiA 302-3); on to error control */

@@ -150,10 +150,20 @@ static bool is_in_range(const struct co_frame *frame, uint32_t base)
            !(frame->flags & (CO_FRAME_EXT | CO_FRAME_RTR));
 }
 
-static void on_emergency(struct manager *self, const struct co_frame *frame)
+/* Devices of the third edition of CiA 301 start up with an emergency without data. */
+static void on_old_boot_up(struct manager *self, const struct co_frame *frame, co_us_t now)
+{
+    const struct co_frame boot_up = nmt_error_control_frame(frame->id & 0x7Fu, NMT_INITIALISING);
+
+    error_control_on_frame(self, &boot_up, now);
+}
+
+static void on_emergency(struct manager *self, const struct co_frame *frame, co_us_t now)
 {
     struct co_event event;
 
+    if (frame->dlc == 0)
+        on_old_boot_up(self, frame, now);
     if (!emcy_parse(frame, &event))
         return;
     if (!self->nodes[event.node].config && !self->config->preset_emergency_consumer)
@@ -237,7 +247,7 @@ static void dispatch(struct manager *self, const struct co_frame *frame, co_us_t
     else if (is_in_range(frame, NMT_ERROR_CONTROL_ID))
         error_control_on_frame(self, frame, now);
     else if (is_in_range(frame, EMCY_CAN_ID))
-        on_emergency(self, frame);
+        on_emergency(self, frame, now);
     else if (frame->id == NMT_CAN_ID && frame->flags == 0 && frame->dlc == 2 &&
              self->config->nmt_master)
         on_foreign_command(self, frame);

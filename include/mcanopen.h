@@ -17,10 +17,10 @@
  * a number out of range; below only what goes beyond that is told.
  *
  * Threads: every function may be called from any thread. While one of mcanOpenInitialize, Config,
- * Start, ShutDown and Cleanup works, these return MCAL_SYS_ERROR in other threads. From a callback (an object or event
- * handler of scanopen.h, the log hook) only those that do not wait: the others are marked "waits"
- * and return MCAL_UNSUPPORTED there at once. After fork() the child may use no function of the
- * library.
+ * Start, ShutDown and Cleanup works, these return MCAL_SYS_ERROR in other threads. From a callback
+ * (an object or event handler of scanopen.h, the log hook) only those that do not wait: the others
+ * are marked "waits" and return MCAL_UNSUPPORTED there at once. After fork() the child may use no
+ * function of the library.
  *
  * "Ours" marks what goes beyond the interface of the manual. Pointers to data that the library only
  * reads are const here, where the manual prints them without.
@@ -155,7 +155,20 @@ enum {
     MCANOPEN_MSG_NODE_STARTED = 3,  /* the manager has started a node; uc: its NMT state as known */
     MCANOPEN_MSG_MANAGER_STATE = 4, /* node is the manager itself; uc: its new NMT state */
     MCANOPEN_MSG_NETWORK_UP = 5,    /* NOD_NOT_VAL; the network is up; uc: nodes booted */
-    MCANOPEN_MSG_NODE_BOOTED = 6    /* a node's boot ended well; uc: 'L' was running, or 0 */
+    MCANOPEN_MSG_NODE_BOOTED = 6,   /* a node's boot ended well; uc: 'L' was running, or 0 */
+    MCANOPEN_MSG_BOOT_STEP = 7,     /* the boot of a node goes on; uc: MCANOPEN_STEP_... entered */
+    MCANOPEN_MSG_SOFTWARE_UPDATE = 8,    /* the update of a node goes on; uc: MCANOPEN_UPDATE_... */
+    MCANOPEN_MSG_NODES_MISSING = 9,      /* the network waits for mandatory nodes; node: the first,
+                                            uc: how many; after 5 s, then ever more rarely */
+    MCANOPEN_MSG_NETWORK_HALTED = 10,    /* a mandatory node has failed for good; as above */
+    MCANOPEN_MSG_FOREIGN_COMMAND = 11,   /* another NMT master commands; uc: MCANOPEN_NMT_..., node:
+                                            to whom, or NOD_NOT_VAL: to all */
+    MCANOPEN_MSG_REQUESTED_COMMAND = 12, /* a tool commands by 1F82h; as above */
+    MCANOPEN_MSG_NOT_STARTED = 13,       /* a node does not follow its start; uc: its NMT state */
+    MCANOPEN_MSG_NODE_ID_TAKEN = 14,     /* another device has the manager's node-ID; uc: its NMT
+                                            state */
+    MCANOPEN_MSG_SYNC_MISSING = 15,      /* NOD_NOT_VAL; the interface does not send SYNC; uc: 0 */
+    MCANOPEN_MSG_BUS_BUSY = 16           /* NOD_NOT_VAL; frames wait for the bus; uc: 0; once */
 };
 /* with PARA_US, para.us */
 enum {
@@ -172,16 +185,18 @@ enum {
 };
 /* with PARA_UL, para.ul */
 enum {
-    MCANOPEN_MSG_EMERGENCY = 1,    /* ul: error code in bits 0..15, error register in bits 16..23 */
-    MCANOPEN_MSG_EVENTS_LOST = 2,  /* NET_NOT_VAL and NOD_NOT_VAL; ul: events dropped, queue full */
-    MCANOPEN_MSG_FRAMES_LOST = 3,  /* NOD_NOT_VAL; ul: frames that the interface has dropped */
-    MCANOPEN_MSG_FRAMES_UNSENT = 4 /* NOD_NOT_VAL; ul: frames that the bus did not take in 2 s */
+    MCANOPEN_MSG_EMERGENCY = 1,   /* ul: error code in bits 0..15, error register in bits 16..23 */
+    MCANOPEN_MSG_EVENTS_LOST = 2, /* NET_NOT_VAL and NOD_NOT_VAL; ul: events dropped, queue full */
+    MCANOPEN_MSG_FRAMES_LOST = 3, /* NOD_NOT_VAL; ul: frames that the interface has dropped */
+    MCANOPEN_MSG_FRAMES_UNSENT = 4, /* NOD_NOT_VAL; ul: frames that the bus did not take in 2 s */
+    MCANOPEN_MSG_CONFIGURED = 5     /* a node has its configuration; ul: entries written for that */
 };
 /* with PARA_WRITE, para.write */
 enum {
-    MCANOPEN_MSG_CONFIGURATION_ABORTED = 1,  /* a node refused a value of its configuration */
-    MCANOPEN_MSG_BOOT_READ_ABORTED = 2,      /* a node refused a read that its boot needs */
-    MCANOPEN_MSG_SOFTWARE_UPDATE_ABORTED = 3 /* a node refused what its software update needs */
+    MCANOPEN_MSG_CONFIGURATION_ABORTED = 1,   /* a node refused a value of its configuration */
+    MCANOPEN_MSG_BOOT_READ_ABORTED = 2,       /* a node refused a read that its boot needs */
+    MCANOPEN_MSG_SOFTWARE_UPDATE_ABORTED = 3, /* a node refused what its software update needs */
+    MCANOPEN_MSG_OBJECT_WRITTEN = 4 /* node is the manager itself: a tool has written to it */
 };
 /* with PARA_STR, para.str */
 enum {
@@ -203,6 +218,24 @@ enum {
     MCANOPEN_STATE_STOPPED = 0x04,
     MCANOPEN_STATE_OPERATIONAL = 0x05,
     MCANOPEN_STATE_PREOPERATIONAL = 0x7F
+};
+
+/* NMT commands (CiA 301, 7.2.8.2.1), of MCANOPEN_MSG_FOREIGN_COMMAND and .._REQUESTED_COMMAND */
+enum {
+    MCANOPEN_NMT_START = 1,
+    MCANOPEN_NMT_STOP = 2,
+    MCANOPEN_NMT_ENTER_PREOPERATIONAL = 128,
+    MCANOPEN_NMT_RESET_NODE = 129,
+    MCANOPEN_NMT_RESET_COMMUNICATION = 130
+};
+
+/* of MCANOPEN_MSG_SOFTWARE_UPDATE (CiA 302-3): what is asked of the node's program */
+enum {
+    MCANOPEN_UPDATE_STOP = 2,
+    MCANOPEN_UPDATE_CLEAR = 4,
+    MCANOPEN_UPDATE_WRITE = 6,
+    MCANOPEN_UPDATE_COMPARE = 8,
+    MCANOPEN_UPDATE_START = 9
 };
 
 /* life of a manager ---------------------------------------------------------------------------- */
@@ -272,9 +305,10 @@ MCANOPEN_API int mcanOpenGetVersion(unsigned short *version);
 
 /*
  * Takes the oldest event, of any network. With wait 0 it returns at once; with wait 1 it waits for
- * an event. Several threads may wait, each event goes to one of them. The queue is bounded: where
- * the application does not fetch events in time, new ones are dropped and counted, and
- * MCANOPEN_MSG_EVENTS_LOST comes in their place.
+ * an event. Several threads may wait, each event goes to one of them. The queue has room for 4096:
+ * where the application does not fetch events in time, new ones are dropped and counted, and
+ * MCANOPEN_MSG_EVENTS_LOST stands in their place and tells how many are missing there.
+ * docs/events.md lists all events and what to do about them.
  *
  *   MCAL_NO_EVENT     nothing there (wait 0)
  *   MCAL_NO_NET       nothing is configured, or the manager was shut down while waiting
@@ -282,6 +316,15 @@ MCANOPEN_API int mcanOpenGetVersion(unsigned short *version);
  *   MCAL_UNSUPPORTED  wait 1 from a callback
  */
 MCANOPEN_API int mcanOpenEvent(EVENT_T *event, int wait);
+
+/*
+ * Ours: how many events the queue had no room for since mcanOpenConfig, told by
+ * MCANOPEN_MSG_EVENTS_LOST already or not yet.
+ *
+ *   MCAL_NO_NET      nothing is configured
+ *   MCAL_PARA_ERROR  count is NULL
+ */
+MCANOPEN_API int mcanOpenGetLostEvents(unsigned int *count);
 
 /*
  * The NMT state of a node, 1..127, as last reported by it (boot-up, heartbeat, guarding): 0x00

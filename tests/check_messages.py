@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 
 PAGE = "docs/real-hardware.md"
-SOURCES = ("src/manager/boot_text.c", "src/api/control.c", "src/api/event_text.c",
+SOURCES = ("src/manager/boot_text*.c", "src/api/control.c", "src/api/event_text.c",
            "src/api/mcanopen.c", "src/api/nets.c", "src/api/scan_e*.c", "src/port/*.c")
 STRING = re.compile(r'"((?:\\.|[^"\\])*)"')
 # Adjacent strings, and what may have quotes in it but is no message: whichever begins first.

@@ -10,7 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#define QUEUE 1024u /* the size that docs/threading.md tells */
+#define QUEUE 4096u /* the size that docs/threading.md tells */
 
 static struct api_plant *plant;
 static struct api_wire *wire;
@@ -34,13 +34,18 @@ static void tear_down(void)
 START_TEST(wrong_arguments)
 {
     EVENT_T event = { 0 };
+    unsigned lost = 7;
 
     ck_assert_int_eq(mcanOpenEvent(&event, 1), MCAL_SYS_ERROR);
+    ck_assert_int_eq(mcanOpenGetLostEvents(&lost), MCAL_SYS_ERROR);
     ck_assert_int_eq(mcanOpenInitialize(), MCANOPEN_OK);
     ck_assert_int_eq(mcanOpenEvent(NULL, 0), MCAL_PARA_ERROR);
     ck_assert_int_eq(mcanOpenEvent(&event, 2), MCAL_PARA_ERROR);
     ck_assert_int_eq(mcanOpenEvent(&event, -1), MCAL_PARA_ERROR);
     ck_assert_int_eq(mcanOpenEvent(&event, 1), MCAL_NO_NET);
+    ck_assert_int_eq(mcanOpenGetLostEvents(&lost), MCAL_NO_NET);
+    ck_assert_int_eq(mcanOpenGetLostEvents(NULL), MCAL_PARA_ERROR);
+    ck_assert_uint_eq(lost, 7);
     ck_assert_int_eq(api_config(plant, API_NODE(5)), MCANOPEN_OK);
     ck_assert_int_eq(mcanOpenEvent(&event, 0), MCAL_NO_EVENT);
 }
@@ -176,7 +181,7 @@ START_TEST(events_that_found_no_room_are_counted)
 {
     const unsigned sent = QUEUE + 500;
     EVENT_T event = { 0 };
-    unsigned taken = 0;
+    unsigned taken = 0, lost = 0;
     char text[32];
 
     api_boot(plant, API_NODE(5));
@@ -184,7 +189,8 @@ START_TEST(events_that_found_no_room_are_counted)
         snprintf(text, sizeof text, "085#10811100%04X", i);
         api_wire_say(wire, text);
     }
-    api_wait_log(plant, "field 00 05 F3 00 00"); /* the last one has come: 1523 */
+    api_wait_log(plant, "field 00 11 F3 00 00"); /* the last one has come: 4595 */
+    ck_assert_int_eq(mcanOpenGetLostEvents(&lost), MCANOPEN_OK);
     while (mcanOpenEvent(&event, 0) == MCANOPEN_OK && event.net == 0)
         taken += (unsigned long)event.event == API_EVENT(PARA_UL, MCANOPEN_MSG_EMERGENCY);
     ck_assert_uint_eq((unsigned long)event.event,
@@ -192,6 +198,9 @@ START_TEST(events_that_found_no_room_are_counted)
     ck_assert_int_eq(event.net, -1);
     ck_assert_int_eq(event.node, -1);
     ck_assert_uint_eq(taken + event.para.ul, sent);
+    ck_assert_uint_eq(event.para.ul, lost);
+    ck_assert_int_eq(mcanOpenGetLostEvents(&lost), MCANOPEN_OK);
+    ck_assert_uint_eq(event.para.ul, lost); /* told or not */
     ck_assert_int_eq(mcanOpenEvent(&event, 0), MCAL_NO_EVENT);
     api_wire_say(wire, "085#1081110102030405");
     api_wait_event(API_EVENT(PARA_UL, MCANOPEN_MSG_EMERGENCY), 5);

@@ -124,11 +124,10 @@ START_TEST(the_manager_lets_the_network_start)
 }
 END_TEST
 
-/* A bus that takes a frame each 7 ms or so: the queue is full, and most of it is given up. */
-/* As another tool would have it, and told like its: an event, whose text must not be too long. */
+/* As another tool would have it, and told like its. */
 START_TEST(a_command_through_the_managers_dictionary)
 {
-    static const char *const told = "a tool commands by 1F82h: \"enter pre-operational\" to node 5";
+    static const char *const told = "Node: 5 a tool commands by 1F82h 128 (enter pre-operational)";
     char text[MCANOPEN_EVENT_TEXT_SIZE] = "";
     EVENT_T event;
 
@@ -144,6 +143,7 @@ START_TEST(a_command_through_the_managers_dictionary)
 }
 END_TEST
 
+/* A bus that takes a frame each 7 ms or so: the queue is full, and most of it is given up. */
 START_TEST(more_commands_than_the_bus_takes)
 {
     static const char format[] =

@@ -27,12 +27,35 @@ static void put(unsigned value)
     event_queue_put(&queue, &value);
 }
 
+/* An element. */
 static unsigned take(void)
 {
-    unsigned value = 0;
+    unsigned value = 0, lost = 99;
 
-    ck_assert_int_eq(event_queue_take(&queue, 0, &value), CO_OK);
+    ck_assert_int_eq(event_queue_take(&queue, 0, &value, &lost), CO_OK);
+    ck_assert_uint_eq(lost, 0);
     return value;
+}
+
+/* A place where some are missing, and how many. */
+static unsigned take_gap(void)
+{
+    unsigned value = 99, lost = 0;
+
+    ck_assert_int_eq(event_queue_take(&queue, CO_NEVER, &value, &lost), CO_OK);
+    ck_assert_uint_gt(lost, 0);
+    ck_assert_uint_eq(value, 99);
+    return lost;
+}
+
+static enum co_err try_to_take(co_us_t deadline)
+{
+    unsigned value = 7, lost = 8;
+    enum co_err err = event_queue_take(&queue, deadline, &value, &lost);
+
+    ck_assert_uint_eq(value, 7);
+    ck_assert_uint_eq(lost, 8);
+    return err;
 }
 
 START_TEST(elements_come_out_in_order)
@@ -50,13 +73,11 @@ END_TEST
 
 START_TEST(an_empty_queue_gives_nothing)
 {
-    unsigned value = 7;
     co_us_t deadline = clock_now() + CO_MS(20);
 
-    ck_assert_int_eq(event_queue_take(&queue, 0, &value), CO_ERR_AGAIN);
-    ck_assert_int_eq(event_queue_take(&queue, deadline, &value), CO_ERR_AGAIN);
+    ck_assert_int_eq(try_to_take(0), CO_ERR_AGAIN);
+    ck_assert_int_eq(try_to_take(deadline), CO_ERR_AGAIN);
     ck_assert_uint_ge(clock_now(), deadline);
-    ck_assert_uint_eq(value, 7);
 }
 END_TEST
 
@@ -66,57 +87,57 @@ START_TEST(a_full_queue_drops_new_ones_and_counts_them)
         put(i);
     for (unsigned i = 0; i < CAPACITY; i++)
         ck_assert_uint_eq(take(), i);
-    ck_assert_uint_eq(event_queue_take_lost(&queue), 3);
-    ck_assert_uint_eq(event_queue_take_lost(&queue), 0);
+    ck_assert_uint_eq(take_gap(), 3);
+    ck_assert_int_eq(try_to_take(0), CO_ERR_AGAIN);
     put(99);
     ck_assert_uint_eq(take(), 99);
+    ck_assert_uint_eq(event_queue_lost(&queue), 3);
 }
 END_TEST
 
-/* A reader who is never as far as the last element is told as well. */
-START_TEST(losses_are_told_at_their_place)
+/* Between the elements before and behind it, also for a reader who never comes to the end. */
+START_TEST(each_loss_is_told_at_its_place)
 {
     for (unsigned i = 0; i < CAPACITY + 1; i++)
-        put(i);
+        put(i); /* the last one is lost */
     for (unsigned i = 0; i < CAPACITY; i++) {
-        ck_assert_uint_eq(event_queue_take_lost(&queue), 0);
         ck_assert_uint_eq(take(), i);
         put(100 + i);
-        put(200 + i); /* lost, like the first one */
+        put(200 + i); /* lost */
     }
-    ck_assert_uint_eq(event_queue_take_lost(&queue), 1 + CAPACITY);
-    ck_assert_uint_eq(take(), 100);
-    ck_assert_uint_eq(event_queue_take_lost(&queue), 0);
+    for (unsigned i = 0; i < CAPACITY; i++) {
+        ck_assert_uint_eq(take_gap(), 1);
+        ck_assert_uint_eq(take(), 100 + i);
+    }
+    ck_assert_uint_eq(take_gap(), 1);
+    ck_assert_int_eq(try_to_take(0), CO_ERR_AGAIN);
+    ck_assert_uint_eq(event_queue_lost(&queue), 1 + CAPACITY);
 }
 END_TEST
 
 START_TEST(closed_it_can_be_emptied_but_not_filled)
 {
-    unsigned value = 0;
-
     put(1);
     event_queue_close(&queue);
     put(2);
-    ck_assert_uint_eq(event_queue_take_lost(&queue), 0);
     ck_assert_uint_eq(take(), 1);
-    ck_assert_int_eq(event_queue_take(&queue, CO_NEVER, &value), CO_ERR_STATE);
-    ck_assert_int_eq(event_queue_take(&queue, 0, &value), CO_ERR_STATE);
+    ck_assert_int_eq(try_to_take(CO_NEVER), CO_ERR_STATE);
+    ck_assert_int_eq(try_to_take(0), CO_ERR_STATE);
+    ck_assert_uint_eq(event_queue_lost(&queue), 0);
 }
 END_TEST
 
 START_TEST(opened_again_it_is_empty)
 {
-    unsigned value = 0;
-
     for (unsigned i = 0; i < CAPACITY + 1; i++)
         put(i);
     event_queue_close(&queue);
     event_queue_open(&queue);
-    ck_assert_uint_eq(event_queue_take_lost(&queue), 0);
-    ck_assert_int_eq(event_queue_take(&queue, 0, &value), CO_ERR_AGAIN);
+    ck_assert_uint_eq(event_queue_lost(&queue), 0);
+    ck_assert_int_eq(try_to_take(0), CO_ERR_AGAIN);
     put(5);
     ck_assert_uint_eq(take(), 5);
-    ck_assert_uint_eq(event_queue_take_lost(&queue), 0);
+    ck_assert_int_eq(try_to_take(0), CO_ERR_AGAIN);
 }
 END_TEST
 
@@ -124,9 +145,9 @@ END_TEST
 
 static void *wait_for_one(void *context)
 {
-    unsigned value = 0;
+    unsigned value = 0, lost = 0;
 
-    *(enum co_err *)context = event_queue_take(&queue, CO_NEVER, &value);
+    *(enum co_err *)context = event_queue_take(&queue, CO_NEVER, &value, &lost);
     return NULL;
 }
 
@@ -160,12 +181,15 @@ START_TEST(many_write_one_reads)
 {
     struct co_thread threads[WRITERS];
     unsigned firsts[WRITERS] = { 0, EACH }, next[WRITERS] = { 0, EACH };
-    unsigned value, taken = 0;
+    unsigned value, gap, taken = 0, lost = 0;
 
     for (unsigned i = 0; i < WRITERS; i++)
         ck_assert_int_eq(thread_start(&threads[i], "writes", write_many, &firsts[i]), CO_OK);
-    for (unsigned lost = 0; taken + lost < WRITERS * EACH; lost += event_queue_take_lost(&queue)) {
-        if (event_queue_take(&queue, 0, &value) != CO_OK)
+    while (taken + lost < WRITERS * EACH) {
+        if (event_queue_take(&queue, 0, &value, &gap) != CO_OK)
+            continue;
+        lost += gap;
+        if (gap > 0)
             continue;
         ck_assert_uint_ge(value, next[value / EACH]);
         next[value / EACH] = value + 1;
@@ -174,6 +198,7 @@ START_TEST(many_write_one_reads)
     for (unsigned i = 0; i < WRITERS; i++)
         thread_join(&threads[i]);
     ck_assert_uint_gt(taken, 0);
+    ck_assert_uint_eq(event_queue_lost(&queue), lost);
 }
 END_TEST
 
@@ -186,7 +211,7 @@ int main(void)
     tcase_add_test(tests, elements_come_out_in_order);
     tcase_add_test(tests, an_empty_queue_gives_nothing);
     tcase_add_test(tests, a_full_queue_drops_new_ones_and_counts_them);
-    tcase_add_test(tests, losses_are_told_at_their_place);
+    tcase_add_test(tests, each_loss_is_told_at_its_place);
     tcase_add_test(tests, closed_it_can_be_emptied_but_not_filled);
     tcase_add_test(tests, opened_again_it_is_empty);
     tcase_add_test(tests, closing_ends_all_who_wait);

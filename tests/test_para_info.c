@@ -39,14 +39,14 @@ START_TEST(known_messages_are_at_their_numbers)
         size_t other;
     } known[] = {
         { cParaInfo, MCANOPEN_MSG_BOOT_ERROR, 0 },
-        { ucParaInfo, MCANOPEN_MSG_NODE_BOOTED, 0 },
+        { ucParaInfo, MCANOPEN_MSG_BUS_BUSY, 0 },
         { sParaInfo, 0, 0 },
         { usParaInfo, MCANOPEN_MSG_GUARDING_BACK, 0 },
         { iParaInfo, MCANOPEN_MSG_BUS_STATE, MCANOPEN_MSG_GUARDING_TOGGLE },
         { uiParaInfo, 0, 0 },
         { lParaInfo, 0, 0 },
-        { ulParaInfo, MCANOPEN_MSG_FRAMES_UNSENT, 0 },
-        { writeParaInfo, MCANOPEN_MSG_SOFTWARE_UPDATE_ABORTED, 0 },
+        { ulParaInfo, MCANOPEN_MSG_CONFIGURED, 0 },
+        { writeParaInfo, MCANOPEN_MSG_OBJECT_WRITTEN, 0 },
         { strParaInfo, MCANOPEN_MSG_TEXT, 0 },
     };
 

@@ -103,20 +103,25 @@ static void log_line(const struct log_event *line)
     log_put(severity, full);
 }
 
+static void log_lost(unsigned count)
+{
+    char text[80];
+
+    snprintf(text, sizeof text, "%u messages lost: the log hook is too slow", count);
+    log_put(CO_WARNING, text);
+}
+
 void *control_run(void *context)
 {
     struct registry *self = context;
     struct log_event line;
     unsigned lost;
 
-    while (event_queue_take(&self->logs, CO_NEVER, &line) == CO_OK) {
-        char text[80];
-
-        log_line(&line);
-        lost = event_queue_take_lost(&self->logs);
-        snprintf(text, sizeof text, "%u messages lost: the log hook is too slow", lost);
+    while (event_queue_take(&self->logs, CO_NEVER, &line, &lost) == CO_OK) {
         if (lost > 0)
-            log_put(CO_WARNING, text);
+            log_lost(lost);
+        else
+            log_line(&line);
     }
     return NULL;
 }

@@ -9,7 +9,7 @@
 
 #include "api/registry.h"
 
-#define CONTROL_EVENTS     1024u /* in the application's queue */
+#define CONTROL_EVENTS     4096u /* in the application's queue: two boots of a full network */
 #define CONTROL_LOG_EVENTS 4096u
 
 /* CO_ERR_MEMORY */

@@ -20,27 +20,129 @@ static EVENT_T make(const struct network_config *config, unsigned node, unsigned
     return event;
 }
 
-static unsigned put_uc(EVENT_T *event, const struct network_config *config, unsigned node,
-                       unsigned message, unsigned value)
+/* --- events with one number --- */
+
+enum number { NO_NUMBER, DETAIL, ACTUAL, EXPECTED };
+
+static const struct row {
+    uint16_t type;
+    uint8_t message;
+    uint8_t number; /* enum number: what becomes the member of para */
+    bool of_net;    /* not of event->node */
+    unsigned long kind;
+} rows[] = {
+    { MANAGER_NODE_STATE, MCANOPEN_MSG_NODE_STATE, DETAIL, false, PARA_UC },
+    { MANAGER_NODE_BOOT_UP, MCANOPEN_MSG_BOOT_UP, NO_NUMBER, false, PARA_UC },
+    { MANAGER_STATE, MCANOPEN_MSG_MANAGER_STATE, DETAIL, false, PARA_UC },
+    { MANAGER_NETWORK_UP, MCANOPEN_MSG_NETWORK_UP, ACTUAL, true, PARA_UC },
+    { MANAGER_NODE_BOOTED, MCANOPEN_MSG_NODE_BOOTED, DETAIL, false, PARA_UC },
+    { MANAGER_NODE_SOFTWARE, MCANOPEN_MSG_SOFTWARE_UPDATE, DETAIL, false, PARA_UC },
+    { MANAGER_WAITING, MCANOPEN_MSG_NODES_MISSING, ACTUAL, false, PARA_UC },
+    { MANAGER_SECOND_MASTER, MCANOPEN_MSG_FOREIGN_COMMAND, DETAIL, false, PARA_UC },
+    { MANAGER_NMT_REQUEST, MCANOPEN_MSG_REQUESTED_COMMAND, DETAIL, false, PARA_UC },
+    { MANAGER_NODE_UNFOLLOWED, MCANOPEN_MSG_NOT_STARTED, DETAIL, false, PARA_UC },
+    { MANAGER_NODE_ID_TAKEN, MCANOPEN_MSG_NODE_ID_TAKEN, DETAIL, false, PARA_UC },
+    { MANAGER_SYNC_MISSING, MCANOPEN_MSG_SYNC_MISSING, NO_NUMBER, true, PARA_UC },
+    { RUNTIME_BUSY, MCANOPEN_MSG_BUS_BUSY, NO_NUMBER, true, PARA_UC },
+    { RUNTIME_BUS_STATE, MCANOPEN_MSG_BUS_STATE, DETAIL, true, PARA_I },
+    { MANAGER_NODE_TOGGLE, MCANOPEN_MSG_GUARDING_TOGGLE, ACTUAL, false, PARA_I },
+    { MANAGER_DROPPED, MCANOPEN_MSG_FRAMES_LOST, ACTUAL, true, PARA_UL },
+    { RUNTIME_FRAMES_LOST, MCANOPEN_MSG_FRAMES_LOST, ACTUAL, true, PARA_UL },
+    { RUNTIME_UNSENT, MCANOPEN_MSG_FRAMES_UNSENT, ACTUAL, true, PARA_UL },
+    { MANAGER_NODE_UP_TO_DATE, MCANOPEN_MSG_CONFIGURED, NO_NUMBER, false, PARA_UL },
+    { MANAGER_NODE_CONFIGURED, MCANOPEN_MSG_CONFIGURED, ACTUAL, false, PARA_UL },
+    { MANAGER_NODE_COMPARED, MCANOPEN_MSG_CONFIGURED, ACTUAL, false, PARA_UL },
+};
+
+static const struct row *find_row(uint16_t type)
 {
-    *event = make(config, node, PARA_UC, message);
-    event->para.uc = (unsigned char)value;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        if (rows[i].type == type)
+            return &rows[i];
+    return NULL;
+}
+
+static uint64_t number_of(enum number number, const struct co_event *event)
+{
+    switch (number) {
+    case DETAIL: return event->detail;
+    case ACTUAL: return event->actual;
+    case EXPECTED: return event->expected;
+    case NO_NUMBER: return 0;
+    }
+    return 0;
+}
+
+/* Numbers too large for their member are the largest that it has. */
+static void set_number(EVENT_T *event, unsigned long kind, uint64_t number)
+{
+    if (kind == PARA_UC)
+        event->para.uc = (unsigned char)(number < UCHAR_MAX ? number : UCHAR_MAX);
+    else if (kind == PARA_US)
+        event->para.us = (unsigned short)(number < USHRT_MAX ? number : USHRT_MAX);
+    else if (kind == PARA_I)
+        event->para.i = (int)(number < INT_MAX ? number : INT_MAX);
+    else
+        event->para.ul = (unsigned long)(number < UINT32_MAX ? number : UINT32_MAX);
+}
+
+static unsigned put_row(EVENT_T *event, const struct network_config *config, const struct row *row,
+                        const struct co_event *from)
+{
+    *event = make(config, row->of_net ? 0 : from->node, row->kind, row->message);
+    set_number(event, row->kind, number_of((enum number)row->number, from));
     return 1;
 }
 
-static unsigned put_us(EVENT_T *event, const struct network_config *config, unsigned node,
-                       unsigned message, unsigned value)
+/* --- the others --- */
+
+/* Of error control: heartbeat, or guarding. */
+static unsigned put_watch(EVENT_T *event, const struct network_config *config,
+                          const struct co_event *from)
 {
-    *event = make(config, node, PARA_US, message);
-    event->para.us = (unsigned short)(value < USHRT_MAX ? value : USHRT_MAX);
-    return 1;
+    const bool guarded = from->actual != 0, lost = from->type == MANAGER_NODE_LOST;
+    const unsigned messages[2][2] = { { MCANOPEN_MSG_HEARTBEAT_BACK, MCANOPEN_MSG_GUARDING_BACK },
+                                      { MCANOPEN_MSG_HEARTBEAT_LOST, MCANOPEN_MSG_GUARDING_LOST } };
+    const struct row row = { .message = (uint8_t)messages[lost][guarded],
+                             .number = EXPECTED,
+                             .kind = PARA_US };
+
+    return put_row(event, config, &row, from);
 }
 
-static unsigned put_ul(EVENT_T *event, const struct network_config *config, unsigned node,
-                       unsigned message, unsigned long value)
+static unsigned put_halted(EVENT_T *event, const struct network_config *config,
+                           const struct co_event *from)
 {
-    *event = make(config, node, PARA_UL, message);
-    event->para.ul = value;
+    static const struct row over = {
+        .message = MCANOPEN_MSG_BOOT_TIME_OVER, .number = EXPECTED, .of_net = true, .kind = PARA_US
+    };
+    static const struct row halted = { .message = MCANOPEN_MSG_NETWORK_HALTED,
+                                       .number = ACTUAL,
+                                       .kind = PARA_UC };
+
+    return put_row(event, config, from->expected ? &over : &halted, from);
+}
+
+/* Other events tell how a boot ends. */
+static unsigned put_step(EVENT_T *event, const struct network_config *config,
+                         const struct co_event *from)
+{
+    static const struct row step = { .message = MCANOPEN_MSG_BOOT_STEP,
+                                     .number = DETAIL,
+                                     .kind = PARA_UC };
+
+    if (from->detail == MCANOPEN_STEP_READY || from->detail == MCANOPEN_STEP_STARTED)
+        return 0;
+    return put_row(event, config, &step, from);
+}
+
+static unsigned put_written(EVENT_T *event, const struct network_config *config,
+                            const struct co_event *from)
+{
+    *event = make(config, from->node, PARA_WRITE, MCANOPEN_MSG_OBJECT_WRITTEN);
+    event->para.write.index = from->index;
+    event->para.write.subindex = from->sub;
+    error_set(&event->para.write.err, SDO_OK);
     return 1;
 }
 
@@ -86,80 +188,28 @@ static unsigned put_failure(EVENT_T *events, const struct network_config *config
     return count + put_text(&events[count], config, from);
 }
 
-static unsigned put_halted(EVENT_T *event, const struct network_config *config,
-                           const struct co_event *from)
-{
-    if (from->expected)
-        return put_us(event, config, 0, MCANOPEN_MSG_BOOT_TIME_OVER, (unsigned)from->expected);
-    return put_text(event, config, from);
-}
-
-/* The log's line says all that there is to say. */
-static bool is_told_by_text(uint16_t type)
-{
-    static const uint16_t types[] = { MANAGER_NODE_ID_TAKEN, MANAGER_NODE_UNFOLLOWED,
-                                      MANAGER_SYNC_MISSING, MANAGER_NMT_REQUEST,
-                                      MANAGER_SECOND_MASTER };
-
-    for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
-        if (types[i] == type)
-            return true;
-    return false;
-}
-
-static unsigned map_network_event(const struct network_config *config, const struct co_event *event,
-                                  EVENT_T ret_events[EVENT_MAP_MAX])
-{
-    switch (event->type) {
-    case MANAGER_STATE:
-        return put_uc(ret_events, config, event->node, MCANOPEN_MSG_MANAGER_STATE, event->detail);
-    case MANAGER_NETWORK_UP:
-        return put_uc(ret_events, config, 0, MCANOPEN_MSG_NETWORK_UP, (unsigned)event->actual);
-    case MANAGER_HALTED: return put_halted(ret_events, config, event);
-    case MANAGER_DROPPED:
-    case RUNTIME_FRAMES_LOST:
-        return put_ul(ret_events, config, 0, MCANOPEN_MSG_FRAMES_LOST,
-                      (unsigned long)event->actual);
-    case RUNTIME_UNSENT:
-        return put_ul(ret_events, config, 0, MCANOPEN_MSG_FRAMES_UNSENT,
-                      (unsigned long)event->actual);
-    case RUNTIME_BUS_STATE:
-        *ret_events = make(config, 0, PARA_I, MCANOPEN_MSG_BUS_STATE);
-        ret_events->para.i = event->detail;
-        return 1;
-    default: /* the steps of a boot are for the log alone */
-        return is_told_by_text(event->type) ? put_text(ret_events, config, event) : 0;
-    }
-}
-
 unsigned event_map(const struct network_config *config, const struct co_event *event,
                    EVENT_T ret_events[EVENT_MAP_MAX])
 {
+    const struct row *row = find_row(event->type);
+
+    if (row)
+        return put_row(ret_events, config, row, event);
     switch (event->type) {
     case MANAGER_NODE_FAILED: return put_failure(ret_events, config, event);
-    case MANAGER_NODE_BOOTED:
-        return put_uc(ret_events, config, event->node, MCANOPEN_MSG_NODE_BOOTED, event->detail);
+    case MANAGER_NODE_STEP: return put_step(ret_events, config, event);
     case MANAGER_NODE_STARTED:
-        return put_uc(ret_events, config, event->node, MCANOPEN_MSG_NODE_STARTED, NMT_OPERATIONAL);
-    case MANAGER_NODE_STATE:
-        return put_uc(ret_events, config, event->node, MCANOPEN_MSG_NODE_STATE, event->detail);
-    case MANAGER_NODE_BOOT_UP:
-        return put_uc(ret_events, config, event->node, MCANOPEN_MSG_BOOT_UP, 0);
-    case MANAGER_NODE_LOST:
-        return put_us(ret_events, config, event->node,
-                      event->actual ? MCANOPEN_MSG_GUARDING_LOST : MCANOPEN_MSG_HEARTBEAT_LOST,
-                      (unsigned)event->expected);
-    case MANAGER_NODE_BACK:
-        return put_us(ret_events, config, event->node,
-                      event->actual ? MCANOPEN_MSG_GUARDING_BACK : MCANOPEN_MSG_HEARTBEAT_BACK,
-                      (unsigned)event->expected);
-    case MANAGER_NODE_TOGGLE:
-        *ret_events = make(config, event->node, PARA_I, MCANOPEN_MSG_GUARDING_TOGGLE);
-        ret_events->para.i = (int)event->actual;
+        *ret_events = make(config, event->node, PARA_UC, MCANOPEN_MSG_NODE_STARTED);
+        ret_events->para.uc = NMT_OPERATIONAL;
         return 1;
+    case MANAGER_NODE_LOST:
+    case MANAGER_NODE_BACK: return put_watch(ret_events, config, event);
     case MANAGER_EMCY:
-        return put_ul(ret_events, config, event->node, MCANOPEN_MSG_EMERGENCY,
-                      event->code | (unsigned long)event->detail << 16);
-    default: return map_network_event(config, event, ret_events);
+        *ret_events = make(config, event->node, PARA_UL, MCANOPEN_MSG_EMERGENCY);
+        ret_events->para.ul = event->code | (unsigned long)event->detail << 16;
+        return 1;
+    case MANAGER_WRITTEN: return put_written(ret_events, config, event);
+    case MANAGER_HALTED: return put_halted(ret_events, config, event);
+    default: return 0; /* what the node has answered, and what only wakes: not news */
     }
 }

@@ -71,6 +71,53 @@ static const char *letter_text(char letter)
     return letter >= 'A' && letter <= 'O' ? texts[letter - 'A'] : "unknown letter";
 }
 
+static const char *step_text(unsigned step)
+{
+    static const char *const texts[] = {
+        [MCANOPEN_STEP_IDLE] = "not begun",
+        [MCANOPEN_STEP_RESET] = "reset",
+        [MCANOPEN_STEP_DEVICE_TYPE] = "device type",
+        [MCANOPEN_STEP_IDENTITY] = "identity",
+        [MCANOPEN_STEP_CHECK_CONFIGURATION] = "check of the configuration",
+        [MCANOPEN_STEP_CONFIGURE] = "configuration",
+        [MCANOPEN_STEP_SAVE] = "save",
+        [MCANOPEN_STEP_ERROR_CONTROL] = "error control",
+        [MCANOPEN_STEP_READY] = "ready",
+        [MCANOPEN_STEP_STARTED] = "started",
+        [MCANOPEN_STEP_RETRY] = "retry",
+        [MCANOPEN_STEP_FAILED] = "failed",
+        [MCANOPEN_STEP_CHECK_STATE] = "check of the state",
+        [MCANOPEN_STEP_CHECK_SOFTWARE] = "check of the software",
+        [MCANOPEN_STEP_UPDATE_SOFTWARE] = "software update",
+    };
+
+    return step < sizeof texts / sizeof texts[0] ? texts[step] : "unknown";
+}
+
+static const char *update_text(unsigned step)
+{
+    switch (step) {
+    case MCANOPEN_UPDATE_STOP: return "stop the program";
+    case MCANOPEN_UPDATE_CLEAR: return "clear the program";
+    case MCANOPEN_UPDATE_WRITE: return "write the program";
+    case MCANOPEN_UPDATE_COMPARE: return "compare the program";
+    case MCANOPEN_UPDATE_START: return "start the program";
+    default: return "unknown";
+    }
+}
+
+static const char *command_text(unsigned command)
+{
+    switch (command) {
+    case MCANOPEN_NMT_START: return "start";
+    case MCANOPEN_NMT_STOP: return "stop";
+    case MCANOPEN_NMT_ENTER_PREOPERATIONAL: return "enter pre-operational";
+    case MCANOPEN_NMT_RESET_NODE: return "reset node";
+    case MCANOPEN_NMT_RESET_COMMUNICATION: return "reset communication";
+    default: return "unknown";
+    }
+}
+
 /* A char of an event; it may be anything where the message is not known. */
 static void add_char(struct line *line, char c)
 {
@@ -88,21 +135,40 @@ static void add_c(struct line *line, const EVENT_T *event, unsigned message)
         add(line, ": %s", letter_text(event->para.c));
 }
 
-static void add_uc(struct line *line, const EVENT_T *event, unsigned message)
+/* What a number means, for messages whose number is one of a list; else NULL. */
+static const char *meaning_text(unsigned message, unsigned value)
 {
-    unsigned value = event->para.uc;
-
-    add(line, "%s", ucParaInfo[message]);
     switch (message) {
     case MCANOPEN_MSG_NODE_STATE:
     case MCANOPEN_MSG_NODE_STARTED:
-    case MCANOPEN_MSG_MANAGER_STATE: add(line, " %u (%s)", value, state_text(value)); break;
-    case MCANOPEN_MSG_BOOT_UP: break;
+    case MCANOPEN_MSG_MANAGER_STATE:
+    case MCANOPEN_MSG_NOT_STARTED:
+    case MCANOPEN_MSG_NODE_ID_TAKEN: return state_text(value);
+    case MCANOPEN_MSG_BOOT_STEP: return step_text(value);
+    case MCANOPEN_MSG_SOFTWARE_UPDATE: return update_text(value);
+    case MCANOPEN_MSG_FOREIGN_COMMAND:
+    case MCANOPEN_MSG_REQUESTED_COMMAND: return command_text(value);
+    default: return NULL;
+    }
+}
+
+static void add_uc(struct line *line, const EVENT_T *event, unsigned message)
+{
+    const unsigned value = event->para.uc;
+    const char *meaning = meaning_text(message, value);
+
+    add(line, "%s", ucParaInfo[message]);
+    switch (message) {
+    case MCANOPEN_MSG_BOOT_UP:
+    case MCANOPEN_MSG_SYNC_MISSING:
+    case MCANOPEN_MSG_BUS_BUSY: break;
     case MCANOPEN_MSG_NODE_BOOTED:
         add(line, "%s", value == 'L' ? ", was operational already" : "");
         break;
     default: add(line, " %u", value); break;
     }
+    if (meaning)
+        add(line, " (%s)", meaning);
 }
 
 static void add_s(struct line *line, const EVENT_T *event, unsigned message)
@@ -149,8 +215,10 @@ static void add_write(struct line *line, const EVENT_T *event, unsigned message)
     sdo_abort_t code = (sdo_abort_t)err->eclass << 24 | (sdo_abort_t)err->code << 16 |
                        (sdo_abort_t)err->spec << 8 | err->global;
 
-    add(line, "%s %04Xh:%02X, abort code %08Xh (%s)", writeParaInfo[message],
-        event->para.write.index, event->para.write.subindex, (unsigned)code, sdo_abort_text(code));
+    add(line, "%s %04Xh:%02X", writeParaInfo[message], event->para.write.index,
+        event->para.write.subindex);
+    if (message != MCANOPEN_MSG_OBJECT_WRITTEN)
+        add(line, ", abort code %08Xh (%s)", (unsigned)code, sdo_abort_text(code));
 }
 
 static void add_str(struct line *line, const EVENT_T *event, unsigned message)

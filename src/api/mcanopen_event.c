@@ -16,14 +16,11 @@ static EVENT_T lost_event(unsigned lost)
 
 static int take(struct event_queue *queue, co_us_t deadline, EVENT_T *event)
 {
-    unsigned lost = event_queue_take_lost(queue);
-    enum co_err err;
+    unsigned lost = 0;
+    enum co_err err = event_queue_take(queue, deadline, event, &lost);
 
-    if (lost > 0) {
+    if (lost > 0)
         *event = lost_event(lost);
-        return MCANOPEN_OK;
-    }
-    err = event_queue_take(queue, deadline, event);
     if (err == CO_ERR_STATE)
         return MCAL_NO_NET;
     return err == CO_OK ? MCANOPEN_OK : MCAL_NO_EVENT;
@@ -44,4 +41,19 @@ int mcanOpenEvent(EVENT_T *event, int wait)
     result = take(queue, wait ? CO_NEVER : 0, event);
     registry_leave();
     return result;
+}
+
+int mcanOpenGetLostEvents(unsigned int *count)
+{
+    struct event_queue *queue;
+    int result;
+
+    if (!count)
+        return MCAL_PARA_ERROR;
+    result = registry_enter_events(&queue);
+    if (result != MCANOPEN_OK)
+        return result;
+    *count = event_queue_lost(queue);
+    registry_leave();
+    return MCANOPEN_OK;
 }

@@ -16,13 +16,23 @@ const char *const cParaInfo[PARA_INFO_SIZE] = { NONE_1 "boot error", /* MCANOPEN
                                                 NONE_248 NONE_4 NONE_2 };
 
 const char *const ucParaInfo[PARA_INFO_SIZE] = {
-    NONE_1 "NMT state",             /* MCANOPEN_MSG_NODE_STATE */
-    "boot-up message",              /* MCANOPEN_MSG_BOOT_UP */
-    "started, state",               /* MCANOPEN_MSG_NODE_STARTED */
-    "manager, state",               /* MCANOPEN_MSG_MANAGER_STATE */
-    "network is up, booted nodes:", /* MCANOPEN_MSG_NETWORK_UP */
-    "booted",                       /* MCANOPEN_MSG_NODE_BOOTED */
-    NONE_248 NONE_1
+    NONE_1 "NMT state",                                     /* MCANOPEN_MSG_NODE_STATE */
+    "boot-up message",                                      /* MCANOPEN_MSG_BOOT_UP */
+    "started, state",                                       /* MCANOPEN_MSG_NODE_STARTED */
+    "manager, state",                                       /* MCANOPEN_MSG_MANAGER_STATE */
+    "network is up, booted nodes:",                         /* MCANOPEN_MSG_NETWORK_UP */
+    "booted",                                               /* MCANOPEN_MSG_NODE_BOOTED */
+    "boot step",                                            /* MCANOPEN_MSG_BOOT_STEP */
+    "software update, step",                                /* MCANOPEN_MSG_SOFTWARE_UPDATE */
+    "is missing, mandatory nodes missing in all:",          /* MCANOPEN_MSG_NODES_MISSING */
+    "has failed, network halted, mandatory nodes missing:", /* ..._NETWORK_HALTED */
+    "another NMT master commands",                          /* MCANOPEN_MSG_FOREIGN_COMMAND */
+    "a tool commands by 1F82h",                             /* MCANOPEN_MSG_REQUESTED_COMMAND */
+    "does not follow its start command, state",             /* MCANOPEN_MSG_NOT_STARTED */
+    "another device has the node-ID of the manager, state", /* MCANOPEN_MSG_NODE_ID_TAKEN */
+    "SYNC is not on the bus",                               /* MCANOPEN_MSG_SYNC_MISSING */
+    "frames have to wait for the bus",                      /* MCANOPEN_MSG_BUS_BUSY */
+    NONE_128 NONE_64 NONE_32 NONE_8 NONE_4 NONE_2 NONE_1
 };
 
 const char *const sParaInfo[PARA_INFO_SIZE] = { NONE_256 };
@@ -51,14 +61,16 @@ const char *const ulParaInfo[PARA_INFO_SIZE] = {
     "events lost, not fetched in time:", /* MCANOPEN_MSG_EVENTS_LOST */
     "CAN frames lost:",                  /* MCANOPEN_MSG_FRAMES_LOST */
     "CAN frames not sent in time:",      /* MCANOPEN_MSG_FRAMES_UNSENT */
-    NONE_248 NONE_2 NONE_1
+    "configured, entries written:",      /* MCANOPEN_MSG_CONFIGURED */
+    NONE_248 NONE_2
 };
 
 const char *const writeParaInfo[PARA_INFO_SIZE] = {
     NONE_1 "configuration aborted at", /* MCANOPEN_MSG_CONFIGURATION_ABORTED */
     "read during boot aborted at",     /* MCANOPEN_MSG_BOOT_READ_ABORTED */
     "software update aborted at",      /* MCANOPEN_MSG_SOFTWARE_UPDATE_ABORTED */
-    NONE_248 NONE_4
+    "object written,",                 /* MCANOPEN_MSG_OBJECT_WRITTEN */
+    NONE_248 NONE_2 NONE_1
 };
 
 const char *const strParaInfo[PARA_INFO_SIZE] = { NONE_1 "message:", /* MCANOPEN_MSG_TEXT */

@@ -98,6 +98,9 @@ static bool add_progress(struct text *text, const struct node_config *node,
     switch (event->type) {
     case MANAGER_NODE_STEP: return node && add_step(text, node, event);
     case MANAGER_NODE_COMPARED: add_compared(text, event); return true;
+    case MANAGER_NODE_CONFIGURED:
+        text_add(text, "configured, entries written: %u", (unsigned)event->actual);
+        return true;
     case MANAGER_NODE_SOFTWARE: add_software(text, node, event); return true;
     case MANAGER_NODE_READ:
         text_add_object(text, event->index, event->sub);
@@ -120,6 +123,9 @@ static bool add_good_news(struct text *text, const struct node_config *node,
     case MANAGER_NODE_BACK:
         text_add(text, "%s, %s", event->actual ? "answers guarding again" : "heartbeat is back",
                  nmt_state_text(event->detail));
+        return true;
+    case MANAGER_WRITTEN:
+        text_add(text, "a tool has written %04Xh:%02X", event->index, event->sub);
         return true;
     case MANAGER_NODE_BOOT_UP:
         text_add(text, "boot-up message%s",

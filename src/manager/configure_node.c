@@ -50,12 +50,14 @@ static void enter_save(struct boot_node *self, co_us_t now, struct co_outbox *ou
 
 static void end_configure(struct boot_node *self, co_us_t now, struct co_outbox *out)
 {
-    if (self->config->verify_configuration)
-        boot_node_put_event(self,
-                            (struct co_event){ .type = MANAGER_NODE_COMPARED,
-                                               .expected = self->entry_number,
-                                               .actual = self->written },
-                            out);
+    const bool compared = self->config->verify_configuration;
+
+    boot_node_put_event(
+        self,
+        (struct co_event){ .type = compared ? MANAGER_NODE_COMPARED : MANAGER_NODE_CONFIGURED,
+                           .expected = self->entry_number,
+                           .actual = self->written },
+        out);
     enter_save(self, now, out);
 }
 

@@ -28,14 +28,17 @@ enum manager_event {
                                 it was guarded */
     MANAGER_NODE_TOGGLE,     /* node, actual: answers with a wrong toggle bit so far */
     MANAGER_NODE_BACK,       /* node, detail: its state; expected, actual: as with LOST */
-    MANAGER_EMCY,            /* node, code, detail: error register, data: 8 bytes */
+    MANAGER_EMCY,            /* node (also the manager's own), code, detail: error register, data: 8
+                                bytes */
     MANAGER_SECOND_MASTER,   /* an NMT command of another master: detail: command, node */
     MANAGER_NMT_REQUEST,     /* another tool has commanded through 1F82h: detail, node: as above */
     MANAGER_NODE_ID_TAKEN,   /* node: the manager's own; detail: state that another device reports
                                 with it; actual: how often so far; told ever more rarely */
     MANAGER_DROPPED,         /* actual: frames not looked at, for want of room for their events */
     MANAGER_REQUEST_DONE,    /* node: a request of the application has ended */
-    MANAGER_SYNC_MISSING     /* SYNC that the kernel sends for the manager does not come; once */
+    MANAGER_SYNC_MISSING,    /* SYNC that the kernel sends for the manager does not come; once */
+    MANAGER_NODE_CONFIGURED, /* node: all of its configuration was written; actual: entries */
+    MANAGER_WRITTEN /* node: the manager's own; index, sub: an entry that a client has written */
 };
 
 #endif

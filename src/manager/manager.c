@@ -69,8 +69,8 @@ static bool is_power_of_2(uint64_t number)
 /* What only an application would want to know of its device. */
 static bool is_of_device(uint16_t type)
 {
-    static const uint16_t types[] = { SLAVE_WRITTEN,   SLAVE_VERDICT_LATE, SLAVE_EMERGENCY,
-                                      SLAVE_EMCY_LOST, SLAVE_WATCH,        SLAVE_GUARDING };
+    static const uint16_t types[] = { SLAVE_VERDICT_LATE, SLAVE_EMCY_LOST, SLAVE_WATCH,
+                                      SLAVE_GUARDING };
 
     for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
         if (types[i] == type)
@@ -88,24 +88,35 @@ static bool consume(struct manager *self, const struct co_event *event, co_us_t 
     case PROTO_HB_LOST:
     case PROTO_GUARD_LOST: error_control_on_lost(self, event->node, now); return true;
     case SLAVE_VERDICT: nmt_request_on_write(self, event, now); return true;
+    case SLAVE_WRITTEN: return event->index == REQUEST_NMT; /* MANAGER_NMT_REQUEST tells that */
     case MANAGER_NODE_ID_TAKEN:
     case PROTO_GUARD_TOGGLE: return !is_power_of_2(event->actual); /* told ever more rarely */
     default: return is_of_device(event->type);
     }
 }
 
+/* What inner machines tell, as the owner gets it. */
+static uint16_t outer_type(uint16_t type)
+{
+    static const uint16_t types[][2] = { { PROTO_GUARD_TOGGLE, MANAGER_NODE_TOGGLE },
+                                         { SLAVE_SYNC_MISSING, MANAGER_SYNC_MISSING },
+                                         { SLAVE_EMERGENCY, MANAGER_EMCY },
+                                         { SLAVE_WRITTEN, MANAGER_WRITTEN },
+                                         { SLAVE_STATE, MANAGER_STATE } };
+
+    for (size_t i = 0; i < sizeof types / sizeof types[0]; i++)
+        if (types[i][0] == type)
+            return types[i][1];
+    return type;
+}
+
 static struct co_event translate(const struct manager *self, const struct co_event *event)
 {
     struct co_event outer = *event;
 
-    if (event->type == PROTO_GUARD_TOGGLE)
-        outer.type = MANAGER_NODE_TOGGLE;
-    if (event->type == SLAVE_SYNC_MISSING)
-        outer.type = MANAGER_SYNC_MISSING;
-    if (event->type == SLAVE_STATE) {
-        outer.type = MANAGER_STATE;
+    outer.type = outer_type(event->type);
+    if (event->type == SLAVE_STATE)
         outer.node = self->config->manager_node_id;
-    }
     return outer;
 }
 

@@ -4,12 +4,12 @@ static void *run(void *context)
 {
     struct daemon *self = context;
     _Alignas(max_align_t) unsigned char element[DAEMON_ELEMENT_MAX];
+    unsigned lost;
 
-    while (event_queue_take(&self->queue, CO_NEVER, element) == CO_OK) {
-        const unsigned lost = event_queue_take_lost(&self->queue);
-
-        self->work(self->context, element);
-        if (lost > 0 && self->lost)
+    while (event_queue_take(&self->queue, CO_NEVER, element, &lost) == CO_OK) {
+        if (lost == 0)
+            self->work(self->context, element);
+        else if (self->lost)
             self->lost(self->context, lost);
     }
     return NULL;

@@ -11,9 +11,8 @@ enum co_err event_queue_init(struct event_queue *self, size_t element_size, unsi
     self->element_size = element_size;
     self->capacity = capacity;
     self->elements = calloc(capacity, element_size);
-    if (!self->elements)
-        return CO_ERR_MEMORY;
-    err = lock_init(&self->lock);
+    self->gaps = calloc(capacity, sizeof *self->gaps);
+    err = self->elements && self->gaps ? lock_init(&self->lock) : CO_ERR_MEMORY;
     if (err != CO_OK)
         goto free_elements;
     err = condition_init(&self->changed);
@@ -22,6 +21,7 @@ enum co_err event_queue_init(struct event_queue *self, size_t element_size, unsi
     lock_done(&self->lock);
 free_elements:
     free(self->elements);
+    free(self->gaps);
     return err;
 }
 
@@ -30,11 +30,21 @@ void event_queue_done(struct event_queue *self)
     condition_done(&self->changed);
     lock_done(&self->lock);
     free(self->elements);
+    free(self->gaps);
 }
 
 static unsigned char *element_at(struct event_queue *self, unsigned position)
 {
     return self->elements + position % self->capacity * self->element_size;
+}
+
+static void append(struct event_queue *self, const void *element)
+{
+    const unsigned position = self->first + self->count++;
+
+    memcpy(element_at(self, position), element, self->element_size);
+    self->gaps[position % self->capacity] = self->lost;
+    self->lost = 0;
 }
 
 void event_queue_add(struct event_queue *self, const void *element)
@@ -43,10 +53,10 @@ void event_queue_add(struct event_queue *self, const void *element)
     if (self->closed) {
         /* nobody misses it */
     } else if (self->count == self->capacity) {
-        if (self->lost++ == 0)
-            self->before = self->count;
+        self->lost++;
+        self->total_lost++;
     } else {
-        memcpy(element_at(self, self->first + self->count++), element, self->element_size);
+        append(self, element);
     }
     lock_give(&self->lock);
 }
@@ -63,35 +73,48 @@ void event_queue_put(struct event_queue *self, const void *element)
     event_queue_wake(self);
 }
 
-enum co_err event_queue_take(struct event_queue *self, co_us_t deadline, void *ret_element)
+/* Where the next loss to be told is counted. */
+static unsigned *next_gap(struct event_queue *self)
+{
+    return self->count > 0 ? &self->gaps[self->first] : &self->lost;
+}
+
+static void take_first(struct event_queue *self, void *ret_element)
+{
+    memcpy(ret_element, element_at(self, self->first), self->element_size);
+    self->first = (self->first + 1) % self->capacity;
+    self->count--;
+}
+
+enum co_err event_queue_take(struct event_queue *self, co_us_t deadline, void *ret_element,
+                             unsigned *ret_lost)
 {
     enum co_err err = CO_OK;
+    unsigned *gap;
 
     lock_take(&self->lock);
-    while (self->count == 0 && !self->closed && err != CO_ERR_TIMEOUT)
+    while (self->count == 0 && self->lost == 0 && !self->closed && err != CO_ERR_TIMEOUT)
         err = condition_wait(&self->changed, &self->lock, deadline);
-    if (self->count > 0) {
-        memcpy(ret_element, element_at(self, self->first), self->element_size);
-        self->first = (self->first + 1) % self->capacity;
-        self->count--;
-        self->before -= self->before > 0;
-        err = CO_OK;
-    } else {
+    gap = next_gap(self);
+    err = CO_OK;
+    if (*gap > 0 || self->count > 0)
+        *ret_lost = *gap;
+    if (*gap > 0)
+        *gap = 0;
+    else if (self->count > 0)
+        take_first(self, ret_element);
+    else
         err = self->closed ? CO_ERR_STATE : CO_ERR_AGAIN;
-    }
     lock_give(&self->lock);
     return err;
 }
 
-unsigned event_queue_take_lost(struct event_queue *self)
+unsigned event_queue_lost(struct event_queue *self)
 {
-    unsigned lost = 0;
+    unsigned lost;
 
     lock_take(&self->lock);
-    if (self->before == 0) {
-        lost = self->lost;
-        self->lost = 0;
-    }
+    lost = self->total_lost;
     lock_give(&self->lock);
     return lost;
 }
@@ -110,7 +133,7 @@ void event_queue_open(struct event_queue *self)
     self->first = 0;
     self->count = 0;
     self->lost = 0;
-    self->before = 0;
+    self->total_lost = 0;
     self->closed = false;
     lock_give(&self->lock);
 }

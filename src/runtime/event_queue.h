@@ -1,6 +1,7 @@
 /*
  * Events on their way from protocol threads to whoever reads them: elements of one size, bounded in
- * number, with a count of what did not fit.
+ * number. What does not fit is dropped and counted: the older ones stay, as they tell how it began,
+ * and who reads is told how many are missing, and where.
  *
  *   locking  its own lock, taken last (docs/threading.md); put never waits
  */
@@ -18,9 +19,10 @@ struct event_queue {
     unsigned char *elements;
     size_t element_size;
     unsigned capacity, first, count;
-    unsigned lost;   /* since event_queue_take_lost() */
-    unsigned before; /* elements still in the queue that came before the first of the lost */
-    bool closed;     /* who waits returns, nothing is put any more */
+    unsigned *gaps;      /* for each element: how many were lost between it and the one before */
+    unsigned lost;       /* behind the last element */
+    unsigned total_lost; /* since it was opened */
+    bool closed;         /* who waits returns, nothing is put any more */
 };
 
 /* CO_ERR_MEMORY */
@@ -31,13 +33,14 @@ void event_queue_put(struct event_queue *self, const void *element);
 /* The same in two steps: who waits is woken by the second. */
 void event_queue_add(struct event_queue *self, const void *element);
 void event_queue_wake(struct event_queue *self);
-/* CO_ERR_AGAIN: none there until the deadline; CO_ERR_STATE: closed and empty. */
-enum co_err event_queue_take(struct event_queue *self, co_us_t deadline, void *ret_element);
 /*
- * How many were lost since the last call, at the place where the first of them is missing: 0 while
- * elements from before it are still to be taken.
+ * An element, and *ret_lost 0; or, at its place, how many elements are missing there, and no
+ * element. CO_ERR_AGAIN: nothing there until the deadline; CO_ERR_STATE: closed and empty.
  */
-unsigned event_queue_take_lost(struct event_queue *self);
+enum co_err event_queue_take(struct event_queue *self, co_us_t deadline, void *ret_element,
+                             unsigned *ret_lost);
+/* Since it was opened last, told or not. */
+unsigned event_queue_lost(struct event_queue *self);
 /* Nobody waits any more; what is in the queue can still be taken. */
 void event_queue_close(struct event_queue *self);
 /* Open again, and empty. */

@@ -17,9 +17,11 @@ house_check(check_exports
     $<TARGET_FILE:mcanopen> ${PROJECT_BINARY_DIR}/libmcanopen.a)
 house_check(check_messages)
 house_check(check_contract)
-add_test(NAME test_disabling
-    COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_SOURCE_DIR}/test_disabling.py)
-set_tests_properties(test_disabling PROPERTIES LABELS house TIMEOUT 120)
+foreach(name test_disabling test_mutants)
+    add_test(NAME ${name}
+        COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_SOURCE_DIR}/${name}.py)
+    set_tests_properties(${name} PROPERTIES LABELS house TIMEOUT 120)
+endforeach()
 house_check(check_prototypes
     ${PROJECT_SOURCE_DIR}/src/api/mcanopen.map ${PROJECT_SOURCE_DIR}/include)
 

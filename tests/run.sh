@@ -2,8 +2,8 @@
 # Builds and tests everything: sh tests/run.sh [--all] [LANE...]
 #
 #   (nothing)   debug build, unit and scenario tests, rules of the house, vcan
-#   --all       and peers of other make, tests without the function they test, formatting, lint,
-#               sanitizers, 32 bit, valgrind, fuzzing, release build
+#   --all       and peers of other make, tests without the function they test or with faults in it,
+#               formatting, lint, sanitizers, 32 bit, valgrind, fuzzing, release build
 #   LANE        only these lanes, by name (and "debug", which others need)
 #
 # Missing packages are installed with apt-get; MCANOPEN_INSTALL=no leaves the system alone.
@@ -270,6 +270,12 @@ run_contract()
     python3 -B tests/disabling/run.py "$build/debug"
 }
 
+# Faults in the manager and the protocol machines: the tests that are named for them must fail.
+run_mutants()
+{
+    python3 -B tests/mutants/run.py "$build/debug"
+}
+
 # Refused input leaves nothing behind: each way out under valgrind.
 run_refusals()
 {
@@ -317,6 +323,7 @@ run_side_by_side()
         lane format run_format
     } &
     lane contract run_contract
+    lane mutants run_mutants
     lane valgrind run_valgrind
     lane refusals run_refusals
     lane examples run_examples

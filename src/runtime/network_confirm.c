@@ -40,6 +40,15 @@ static void confirm(struct network *self, struct manager *manager, unsigned back
     self->look = now + LOOK;
 }
 
+/* A request that was lost has not left: all that wait are left to their time. */
+static bool has_lost(struct network *self)
+{
+    bool is_new = self->losses != self->tx.losses;
+
+    self->losses = self->tx.losses;
+    return is_new;
+}
+
 void network_confirm(struct network *self, co_us_t now)
 {
     unsigned backlog;
@@ -47,6 +56,8 @@ void network_confirm(struct network *self, co_us_t now)
     if (now < self->look)
         return;
     self->look = CO_NEVER;
+    if (has_lost(self))
+        return;
     backlog = self->tx.count + bus_backlog(self->bus);
     for (unsigned i = 0; i < self->device_count; i++)
         if (self->devices[i].manager)

@@ -53,6 +53,7 @@ struct network {
     co_us_t tx_tell;  /* when losses may be told again */
     co_us_t look;     /* when the bus is asked what has left; CO_NEVER: not */
     unsigned backlog; /* what it said last */
+    unsigned losses;  /* of tx, as last seen */
     bool busy_told;
     bool receive_fails;
     co_us_t refused_until;             /* 0: it takes frames */

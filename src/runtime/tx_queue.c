@@ -37,13 +37,19 @@ bool tx_queue_takes(const struct tx_queue *self, const struct co_frame *frame)
     return !tx_queue_is_full(self) || place_of(self, rank_of(frame)) > 0;
 }
 
+static void lose(struct tx_queue *self, unsigned count)
+{
+    self->lost += count;
+    self->losses += count > 0;
+}
+
 void tx_queue_put(struct tx_queue *self, const struct co_frame *frame, co_us_t now)
 {
     const struct tx_queue_item item = { .rank = rank_of(frame), .frame = *frame, .since = now };
     unsigned place = place_of(self, item.rank);
 
     if (tx_queue_is_full(self)) {
-        self->lost++;
+        lose(self, 1);
         if (place == 0)
             return;
         place--;
@@ -75,14 +81,14 @@ bool tx_queue_give_up(struct tx_queue *self, co_us_t now)
         if (now < self->items[i].since + TX_QUEUE_GIVE_UP)
             self->items[kept++] = self->items[i];
     }
-    self->lost += self->count - kept;
+    lose(self, self->count - kept);
     self->count = kept;
     return first_is_over;
 }
 
 void tx_queue_lose_all(struct tx_queue *self)
 {
-    self->lost += self->count;
+    lose(self, self->count);
     self->count = 0;
 }
 

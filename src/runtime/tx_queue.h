@@ -28,7 +28,8 @@ struct tx_queue_item {
 struct tx_queue {
     struct tx_queue_item items[TX_QUEUE_SIZE]; /* the next one is the last */
     unsigned count;
-    unsigned lost; /* since tx_queue_take_lost() */
+    unsigned lost;   /* since tx_queue_take_lost() */
+    unsigned losses; /* how often some were, ever */
 };
 
 /* Where there is no room, the frame that would be sent last is lost. */

@@ -243,6 +243,7 @@ enum {
 /*
  * Prepares the library. To be called first; a second call before mcanOpenCleanup changes nothing.
  *
+ *   MCAL_SYS_ERROR      another thread is in one of the calls told above
  *   MCAL_OBJ_NO_MEMORY  no memory
  *   MCAL_UNSUPPORTED    from a callback
  */
@@ -285,8 +286,8 @@ MCANOPEN_API void mcanOpenStart(void);
 
 /*
  * Ends the manager and gives the networks back. No NMT command goes out: the slaves keep their
- * states and local slaves their network. Calls that wait in other threads return MCAL_NO_NET within
- * 100 ms. mcanOpenConfig may follow. Waits.
+ * states and local slaves their network. Calls that wait in other threads return within 100 ms.
+ * mcanOpenConfig may follow. Waits.
  *
  *   MCAL_SYS_ERROR    not initialized, or nothing is configured
  *   MCAL_UNSUPPORTED  from a callback
@@ -312,6 +313,7 @@ MCANOPEN_API int mcanOpenGetVersion(unsigned short *version);
  *
  *   MCAL_NO_EVENT     nothing there (wait 0)
  *   MCAL_NO_NET       nothing is configured, or the manager was shut down while waiting
+ *   MCAL_SYS_ERROR    not initialized
  *   MCAL_PARA_ERROR   event is NULL, wait is neither 0 nor 1
  *   MCAL_UNSUPPORTED  wait 1 from a callback
  */
@@ -321,6 +323,7 @@ MCANOPEN_API int mcanOpenEvent(EVENT_T *event, int wait);
  * Ours: how many events the queue had no room for since mcanOpenConfig, told by
  * MCANOPEN_MSG_EVENTS_LOST already or not yet.
  *
+ *   MCAL_SYS_ERROR   not initialized
  *   MCAL_NO_NET      nothing is configured
  *   MCAL_PARA_ERROR  count is NULL
  */
@@ -354,8 +357,9 @@ MCANOPEN_API int mcanOpenGetNodeState(int net, int nodeID, int *state);
  *                             untouched, *len is the size needed where the node has told it
  *   MCAL_CAN_RX_TIMEOUT       no answer in time
  *   MCAL_TOGGLE_ERROR, MCAL_WRONG_SERVER_ANSWER   the node breaks the protocol; aborted
- *   MCAL_CAN_TX_TIMEOUT, MCAL_CAN_TX_ERROR, MCAL_CAN_CONTR_OFF_BUS, MCAL_CAN_CONTR_WARN,
- *   MCAL_CAN_CONTR_BUSY       the request could not be sent, as told at each code
+ *   MCAL_CAN_TX_TIMEOUT, MCAL_CAN_TX_ERROR, MCAL_CAN_CONTR_OFF_BUS, MCAL_CAN_CONTR_WARN
+ *                             the request could not be sent, as told at each code
+ *   MCAL_OBJ_NO_MEMORY        no memory for the data
  *   MCAL_NODE_NOT_FREE        the manager is not started
  *   MCAL_NO_NET               also: the manager was shut down meanwhile
  *   MCAL_UNSUPPORTED          from a callback

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every public name of the slave headers stands in tests/contract.tsv, with its test.
+"""Every public name of the headers stands in tests/contract.tsv, with its test.
 
     check_contract.py [--root DIR]
 

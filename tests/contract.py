@@ -1,15 +1,16 @@
-"""The public names of the slave headers, and the table tests/contract.tsv that gives each its test.
+"""The public names, and the table tests/contract.tsv that gives each its test.
 
-The names are computed from the headers. Kinds:
+The names are computed from the headers, and those of elements from the manager's reader. Kinds:
 
     function   canOpenCreateNodeEx
     error      canOpenCreateNodeEx SCANOPEN_WRONG_PARAMETER: each error of each function, as the
-               comment of the function and the rules at the top of scanopen.h have it
+               comment of the function and the rules at the top of its header have it
     type       SLAVE_NODE_INFO
     member     SLAVE_NODE_INFO.ulOptions
-    event      EV_STATE_CHANGE
+    event      EV_STATE_CHANGE, MCANOPEN_MSG_BOOT_UP
     macro      BEGIN_DICTIONARY_TABLE: with parameters
-    constant   all others; error codes only where they are no function's error
+    constant   all others, tables of texts among them; error codes only where they are no function's
+               error
 
 Lines of the table: kind, name, test, remark, with a tab between them. Test is program:function, or
 "later" for what the library does not have yet, or "none" for what no test can see; these two need
@@ -19,17 +20,24 @@ import re
 from pathlib import Path
 from typing import NamedTuple
 
-HEADERS = ("scanopen.h", "scanopen_types.h", "scanopen_tables.h")
+HEADERS = ("scanopen.h", "scanopen_types.h", "scanopen_tables.h",
+           "mcanopen.h", "mcanopen_types.h", "paraInfo.h")
 COMMENT = re.compile(r"/\*.*?\*/", re.S)
-GUARD = re.compile(r"SCANOPEN\w*_H")
+GUARD = re.compile(r"(SCANOPEN|MCANOPEN|PARA_INFO)\w*_H")
 DEFINE = re.compile(r"^\s*#\s*define\s+(\w+)(\(?)", re.M)
 STRUCTURE = re.compile(r"\btypedef\s+(?:struct|union)\s*\{(.*?)\n\}\s*([^;]*);", re.S)
 ENUM = re.compile(r"\benum\s*\{(.*?)\}\s*;", re.S)
 ENUMERATOR = re.compile(r"\b([A-Z]\w*)(?=\s*(?:[=,]|$))")
+EVENT = re.compile(r"(EV|MCANOPEN_MSG)_")
+VARIABLE = re.compile(r"\bMCANOPEN_API\s+extern\s+[^;]*?\b(\w+)\s*\[\w*\]\s*;")
 SIMPLE_TYPE = re.compile(r"\btypedef\s+[^;{}]*?(?:\(\*(\w+)\)\([^;]*\)|\b(\w+))\s*;")
 FUNCTION = re.compile(r"\bMCANOPEN_API\s+([\w *]+?)\b(\w+)\(([^;]*)\);")
 CODE = re.compile(r"\bSCANOPEN_[A-Z_]+\b")
+MANAGER_CODE = re.compile(r"\b(?:MCAL|CANOPEN_DCF)_[A-Z_]*[A-Z]\b")
 NO_ERRORS = {"SCANOPEN_OK", "SCANOPEN_NOT_IMPLEMENTED"}
+# "CANOPEN_DCF_...": those of the first block, not those that are only defined.
+DCF_CODES = re.compile(r"#define (CANOPEN_DCF_\w+)")
+ONLY_DEFINED = "Defined so that programs compile"
 
 # Functions whose comment refers to that of another one, and what does not hold for them.
 LIKE = {"canOpenCreateNode": "canOpenCreateNodeEx",
@@ -37,11 +45,17 @@ LIKE = {"canOpenCreateNode": "canOpenCreateNodeEx",
         "canOpenInitDictionaryTS": "canOpenInitDictionary",
         "canOpenReadDictionaryHnd": "canOpenReadDictionary",
         "canOpenWriteDictionaryHnd": "canOpenWriteDictionary",
-        "canOpenRequestPDO": "canOpenReadPDO"}
+        "canOpenRequestPDO": "canOpenReadPDO",
+        "mcanOpenWriteSDO": "mcanOpenReadSDO"}
+NOT_LIKE = {"mcanOpenWriteSDO": {"MCAL_BUFFER_OVERFLOW", "MCAL_OBJ_NO_MEMORY"}}
 BY_HANDLE = {"SCANOPEN_WRONG_INDEX", "SCANOPEN_WRONG_SUBINDEX"}
 # All values of their arguments are good, beside the handle.
 ANY_ARGUMENT = {"canOpenWritePDO", "canOpenReadPDO", "canOpenRequestPDO"}
 HANDLES = re.compile(r"^(HNODE|HPDO|HDICT)\s+\w+$")
+NET = re.compile(r"^(int|unsigned short) net$")
+NEVER_FAILS = {"mcanOpenNodeControl"}
+# Of the headers themselves.
+TOOLS = {"MCANOPEN_API", "MCANOPEN_CAST", "MCANOPEN_INLINE", "MCANOPEN_MAYBE_UNUSED"}
 
 
 class Function(NamedTuple):
@@ -76,8 +90,18 @@ def functions_of(text):
     return found
 
 
-def general_errors(function):
-    """What the rules at the top of scanopen.h say of every function."""
+def manager_errors(function, text):
+    """What mcanopen.h says, at its top and at the function."""
+    errors = set(MANAGER_CODE.findall(function.comment))
+    if NET.match(function.parameters[0]) and function.name not in NEVER_FAILS:
+        errors |= {"MCAL_NO_NET", "MCAL_SYS_ERROR", "MCAL_PARA_ERROR"}
+    if "CANOPEN_DCF_..." in function.comment:
+        errors |= set(DCF_CODES.findall(text.partition(ONLY_DEFINED + ". Real")[0]))
+    return errors
+
+
+def slave_errors(function):
+    """What the rules at the top of scanopen.h say of every function, and what is at this one."""
     errors, others = set(), [p for p in function.parameters if not HANDLES.match(p)]
     if len(others) < len(function.parameters):
         errors.add("SCANOPEN_INVALID_HANDLE")
@@ -85,17 +109,19 @@ def general_errors(function):
         errors.add("SCANOPEN_WRONG_PARAMETER")
     if "not from callbacks" in re.sub(r"[\s*]+", " ", function.comment).lower():
         errors.add("SCANOPEN_SERVICE_NOT_ALLOWED")
-    return errors
+    return errors | set(CODE.findall(function.comment)) - NO_ERRORS
 
 
-def errors_of(function, functions):
-    """The error codes that a function is said to return."""
+def errors_of(function, functions, text=""):
+    """The error codes that a function is said to return; text: all headers."""
     if function.result == "void":
         return set()
-    errors = general_errors(function) | set(CODE.findall(function.comment)) - NO_ERRORS
+    is_manager = function.name.startswith("mcanOpen")
+    errors = manager_errors(function, text) if is_manager else slave_errors(function)
     if function.name in LIKE:
         model = next((f for f in functions if f.name == LIKE[function.name]), None)
-        errors |= errors_of(model, functions) if model else set()
+        like = errors_of(model, functions, text) if model else set()
+        errors |= like - NOT_LIKE.get(function.name, set())
     return errors - BY_HANDLE if function.parameters[0].startswith("HDICT ") else errors
 
 
@@ -116,7 +142,8 @@ def structure_names(text):
 
 def enum_names(text):
     for match in ENUM.finditer(text):
-        yield from (("constant", n) for n in ENUMERATOR.findall(match.group(1)))
+        yield from (("event" if EVENT.match(n) else "constant", n)
+                    for n in ENUMERATOR.findall(match.group(1)))
 
 
 def define_names(text):
@@ -127,18 +154,20 @@ def define_names(text):
         if match.group(2):
             yield "macro", name
         else:
-            yield ("event" if name.startswith("EV_") else "constant"), name
+            yield ("event" if EVENT.match(name) else "constant"), name
 
 
 def private(name):
-    """Names that the tables are made of, not for use by themselves."""
-    return name.startswith("_COS_") and not name.endswith(".handle") or name.endswith("_")
+    """Names that headers and tables are made of, not for use by themselves."""
+    is_inner = name.startswith("_COS_") and not name.endswith(".handle")
+    return name in TOOLS or is_inner or name.endswith("_")
 
 
 def header_names(text):
     """The (kind, name) of a header without its functions' errors."""
     yield from (("function", f.name) for f in functions_of(text))
     plain = COMMENT.sub(" ", text)
+    yield from (("constant", name) for name in VARIABLE.findall(plain))
     yield from define_names(plain)
     plain = re.sub(r"^\s*#(?:[^\n]*\\\n)*[^\n]*", "", plain, flags=re.M)
     yield from structure_names(plain)
@@ -151,7 +180,8 @@ def public_names(texts):
     """The set of (kind, name) of all headers."""
     functions = [f for text in texts for f in functions_of(text)]
     names = {name for text in texts for name in header_names(text) if not private(name[1])}
-    errors = {(f.name, e) for f in functions for e in errors_of(f, functions)}
+    whole = "".join(texts)
+    errors = {(f.name, e) for f in functions for e in errors_of(f, functions, whole)}
     names |= {("error", f"{f} {e}") for f, e in errors}
     doubles = {("constant", e) for _, e in errors} | {("macro", f.name) for f in functions}
     return names - doubles

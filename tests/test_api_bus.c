@@ -1,6 +1,6 @@
 /*
- * What the manager makes of its bus, at the API: a network on a CAN interface whose kernel is played
- * (support/played_kernel.h); tests/CMakeLists.txt leads bus_socketcan_open() here.
+ * What the manager makes of its bus, at the API: a network on a CAN interface whose kernel is
+ * played (support/played_kernel.h); tests/CMakeLists.txt leads bus_socketcan_open() here.
  */
 #include "api/registry.h"
 #include "support/api_plant.h"

@@ -2,6 +2,7 @@
 #include "port/clock.h"
 #include "support/api_plant.h"
 #include "support/api_wire.h"
+#include "support/dcf_file.h"
 #include "support/suite.h"
 
 #include <sched.h>
@@ -74,6 +75,55 @@ START_TEST(the_events_of_a_boot)
     ck_assert_uint_eq(event.para.uc, 1);
     ck_assert_uint_ge(seen[0], 3); /* boot-up, booted, started */
     ck_assert_uint_ge(seen[1], 2); /* pre-operational, operational */
+}
+END_TEST
+
+/* Of which node, and with which value; the manager is node 127. */
+static const struct step {
+    int message, node;
+    unsigned char value;
+} steps[] = {
+    { MCANOPEN_MSG_MANAGER_STATE, 127, MCANOPEN_STATE_OFFLINE },
+    { MCANOPEN_MSG_MANAGER_STATE, 127, MCANOPEN_STATE_PREOPERATIONAL },
+    { MCANOPEN_MSG_BOOT_UP, 5, 0 },
+    { MCANOPEN_MSG_NODE_BOOTED, 5, 0 },
+    { MCANOPEN_MSG_MANAGER_STATE, 127, MCANOPEN_STATE_OPERATIONAL },
+    { MCANOPEN_MSG_NODE_STARTED, 5, MCANOPEN_STATE_OPERATIONAL },
+    { MCANOPEN_MSG_NETWORK_UP, -1, 1 },
+};
+
+START_TEST(each_step_of_a_boot_is_an_event)
+{
+    EVENT_T event;
+
+    ck_assert_int_eq(mcanOpenInitialize(), MCANOPEN_OK);
+    ck_assert_int_eq(api_config(plant, API_NODE(5)), MCANOPEN_OK);
+    mcanOpenStart();
+    for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
+        event = api_wait_event(API_EVENT(PARA_UC, steps[i].message), steps[i].node);
+        ck_assert_int_eq(event.node, steps[i].node);
+        ck_assert_uint_eq(event.para.uc, steps[i].value);
+    }
+    api_wire_say(wire, "705#04");
+    event = api_wait_event(API_EVENT(PARA_UC, MCANOPEN_MSG_NODE_STATE), 5);
+    ck_assert_uint_eq(event.para.uc, MCANOPEN_STATE_STOPPED);
+}
+END_TEST
+
+START_TEST(a_configuration_that_is_refused)
+{
+    EVENT_T event;
+
+    api_write(plant, "pump.dcf", OBJECT("2001", VAR("2001", "5", "rw") "ParameterValue=7\n"));
+    ck_assert_int_eq(mcanOpenInitialize(), MCANOPEN_OK);
+    ck_assert_int_eq(api_config(plant, API_NODE_WITH(5, "<DCF_File>pump.dcf</DCF_File>")),
+                     MCANOPEN_OK);
+    mcanOpenStart();
+    event = api_wait_event(API_EVENT(PARA_WRITE, MCANOPEN_MSG_CONFIGURATION_ABORTED), 5);
+    ck_assert_uint_eq(event.para.write.index, 0x2001);
+    ck_assert_uint_eq(event.para.write.subindex, 0);
+    ck_assert_uint_eq(event.para.write.err.eclass, 6);
+    ck_assert_uint_eq(event.para.write.err.code, 2);
 }
 END_TEST
 
@@ -156,6 +206,26 @@ START_TEST(a_heartbeat_is_lost_and_comes_back)
     api_wire_say(wire, "709#05");
     event = api_wait_event(API_EVENT(PARA_US, MCANOPEN_MSG_HEARTBEAT_BACK), 9);
     ck_assert_uint_eq(event.para.us, 500);
+}
+END_TEST
+
+/* The first answers have the same toggle bit, then there are none, then there are again. */
+START_TEST(guarding_fails_and_comes_back)
+{
+    EVENT_T event;
+
+    api_wire_answer(wire, "709#R", "709#05");
+    api_boot(plant, API_NODE_WITH(9, "<NMT_Auto_Start_Slave>FALSE</NMT_Auto_Start_Slave>"
+                                     "<Guard_Time>50</Guard_Time>"
+                                     "<Life_Time_Factor>4</Life_Time_Factor>"));
+    event = api_wait_event(API_EVENT(PARA_I, MCANOPEN_MSG_GUARDING_TOGGLE), 9);
+    ck_assert_int_eq(event.para.i, 1);
+    api_wire_answer(wire, "709#R", "");
+    event = api_wait_event(API_EVENT(PARA_US, MCANOPEN_MSG_GUARDING_LOST), 9);
+    ck_assert_uint_eq(event.para.us, 200);
+    api_wire_answer(wire, "709#R", "709#05");
+    event = api_wait_event(API_EVENT(PARA_US, MCANOPEN_MSG_GUARDING_BACK), 9);
+    ck_assert_uint_eq(event.para.us, 200);
 }
 END_TEST
 
@@ -299,10 +369,13 @@ int main(void)
     tcase_set_timeout(tests, API_LIMIT);
     tcase_add_test(tests, wrong_arguments);
     tcase_add_test(tests, the_events_of_a_boot);
+    tcase_add_test(tests, each_step_of_a_boot_is_an_event);
+    tcase_add_test(tests, a_configuration_that_is_refused);
     tcase_add_test(tests, a_failure_comes_as_letter_abort_and_text);
     tcase_add_test(tests, an_update_that_is_refused);
     tcase_add_test(tests, emergencies_and_boot_ups);
     tcase_add_test(tests, a_heartbeat_is_lost_and_comes_back);
+    tcase_add_test(tests, guarding_fails_and_comes_back);
     tcase_add_test(tests, the_boot_time_is_over);
     tcase_add_test(tests, events_that_found_no_room_are_counted);
     tcase_add_test(tests, each_event_goes_to_one_of_those_who_wait);

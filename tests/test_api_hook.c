@@ -191,6 +191,8 @@ START_TEST(a_call_from_the_daemon)
     mcanOpenStart();
     ck_assert_int_eq(wait_for_result(), rows[_i].result);
     ck_assert_int_eq(mcanOpenShutDown(), MCANOPEN_OK);
+    if (rows[_i].result == MCAL_UNSUPPORTED) /* that was the hook's fault */
+        ck_assert_int_ne(rows[_i].call(), MCAL_UNSUPPORTED);
 }
 END_TEST
 
@@ -269,6 +271,101 @@ START_TEST(shut_down_waits_for_the_hook)
 }
 END_TEST
 
+/* --- from another thread while one works --- */
+
+static int (*const changes[])(void) = { mcanOpenInitialize, mcanOpenCleanup, mcanOpenShutDown,
+                                        call_config };
+
+static void *change(void *context)
+{
+    int *results = context;
+
+    for (int i = 0; i < ROWS(changes); i++)
+        results[i] = changes[i]();
+    return NULL;
+}
+
+/* The hook, in the midst of mcanOpenConfig, waits for it. */
+static int change_beside(void)
+{
+    int results[ROWS(changes)] = { 0 };
+    struct co_thread thread;
+    int refused = 0;
+
+    if (thread_start(&thread, "beside", change, results) != CO_OK)
+        return -1;
+    thread_join(&thread);
+    for (int i = 0; i < ROWS(changes); i++)
+        refused += results[i] == MCAL_SYS_ERROR;
+    return refused;
+}
+
+START_TEST(changes_come_one_at_a_time)
+{
+    act.line = "without any Node_Instance";
+    act.call = change_beside;
+    ck_assert_int_eq(mcanOpenInitialize(), MCANOPEN_OK);
+    ck_assert_int_eq(mcanOpenSetLog(on_line, NULL), MCANOPEN_OK);
+    ck_assert_int_eq(api_config(plant, ""), MCANOPEN_OK);
+    ck_assert_uint_eq(act.calls, 1);
+    ck_assert_int_eq(act.result, ROWS(changes));
+    ck_assert_int_eq(mcanOpenShutDown(), MCANOPEN_OK);
+}
+END_TEST
+
+/* --- levels --- */
+
+struct counts {
+    unsigned lines[MCANOPEN_LOG_INFO + 1];
+};
+
+static void on_level(void *context, int level, const char *text)
+{
+    struct counts *self = context;
+
+    ck_assert_ptr_null(strchr(text, '\n'));
+    ck_assert_int_ge(level, MCANOPEN_LOG_ERROR);
+    ck_assert_int_le(level, MCANOPEN_LOG_INFO);
+    lock_take(&act.lock);
+    self->lines[level]++;
+    condition_signal(&act.changed);
+    lock_give(&act.lock);
+}
+
+static unsigned count_of(const struct counts *self, int level)
+{
+    unsigned count;
+
+    lock_take(&act.lock);
+    count = self->lines[level];
+    lock_give(&act.lock);
+    return count;
+}
+
+START_TEST(levels_of_the_log)
+{
+    struct counts counts = { { 0 } };
+    MCANOPEN_LOG_T hook = on_level;
+
+    ck_assert_int_eq(mcanOpenSetLog(hook, &counts), MCANOPEN_OK);
+    ck_assert_int_eq(mcanOpenInitialize(), MCANOPEN_OK);
+    ck_assert_int_eq(api_config(plant, "<Nonsense>1</Nonsense>" API_NODE(5)), MCAL_PARA_ERROR);
+    ck_assert_uint_eq(count_of(&counts, MCANOPEN_LOG_ERROR), 1);
+    ck_assert_uint_eq(count_of(&counts, MCANOPEN_LOG_WARNING), 0);
+    ck_assert_int_eq(api_config(plant, ""), MCANOPEN_OK);
+    ck_assert_uint_eq(count_of(&counts, MCANOPEN_LOG_ERROR), 1);
+    ck_assert_uint_eq(count_of(&counts, MCANOPEN_LOG_WARNING), 1);
+    ck_assert_uint_eq(count_of(&counts, MCANOPEN_LOG_INFO), 0);
+    mcanOpenStart();
+    lock_take(&act.lock);
+    while (counts.lines[MCANOPEN_LOG_INFO] == 0)
+        condition_wait(&act.changed, &act.lock, CO_NEVER);
+    lock_give(&act.lock);
+    ck_assert_int_eq(mcanOpenShutDown(), MCANOPEN_OK);
+    ck_assert_uint_eq(count_of(&counts, MCANOPEN_LOG_ERROR), 1);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tests = tcase_create("hook");
@@ -279,5 +376,7 @@ int main(void)
     tcase_add_loop_test(tests, a_call_from_within_config, 0, ROWS(in_config));
     tcase_add_test(tests, start_from_a_hook_logs_an_error);
     tcase_add_test(tests, shut_down_waits_for_the_hook);
+    tcase_add_test(tests, changes_come_one_at_a_time);
+    tcase_add_test(tests, levels_of_the_log);
     return suite_run("api_hook", tests);
 }

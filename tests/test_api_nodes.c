@@ -296,6 +296,8 @@ START_TEST(the_record_of_a_wrong_device)
     ck_assert_uint_eq(record.expected, 0x17F);
     ck_assert_uint_eq(record.actual, 0x29A);
     ck_assert_uint_eq(record.attempts, 1);
+    ck_assert_uint_eq(record.failedExpected, 0x17F);
+    ck_assert_uint_eq(record.failedActual, 0x29A);
     ck_assert_ptr_nonnull(strstr(record.text, "boot error D: 1018h:01 vendor-ID is 0000029Ah, "
                                               "configuration expects 0000017Fh"));
 }

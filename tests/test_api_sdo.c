@@ -169,6 +169,23 @@ START_TEST(a_node_that_breaks_the_protocol)
 }
 END_TEST
 
+/* The answer to the first segment of two. */
+static const struct broken broken_writes[] = {
+    { "607#00", "587#3000000000000000", MCAL_TOGGLE_ERROR },
+    { "607#00", "587#0041424344454647", MCAL_WRONG_SERVER_ANSWER },
+};
+
+START_TEST(a_node_that_breaks_the_protocol_when_written)
+{
+    const struct broken *row = &broken_writes[_i];
+
+    api_wire_answer(wire, "607#20102000", "587#6010200000000000");
+    api_wire_answer(wire, row->request, row->answer);
+    ck_assert_int_eq(mcanOpenWriteSDO(0, 7, 0x2010, 0, TYP_DOMAIN, "ABCDEFGHI", 9, NULL),
+                     row->result);
+}
+END_TEST
+
 START_TEST(aborts_come_with_their_code)
 {
     unsigned char buffer[4] = { 1, 2, 3, 4 };
@@ -246,8 +263,12 @@ static const struct write {
     { TYP_TIME_DIFFERENCE | TYP_INDICATE_SIZE, 0, "607#2100200006000000" },
     { TYP_DOUBLE, 0, "607#2000200000000000" },
     { TYP_INT40 | TYP_INDICATE_SIZE, 0, "607#2100200005000000" },
+    { TYP_UINT40 | TYP_INDICATE_SIZE, 0, "607#2100200005000000" },
+    { TYP_INT48 | TYP_INDICATE_SIZE, 0, "607#2100200006000000" },
     { TYP_UINT48 | TYP_INDICATE_SIZE, 0, "607#2100200006000000" },
     { TYP_INT56 | TYP_INDICATE_SIZE, 0, "607#2100200007000000" },
+    { TYP_UINT56 | TYP_INDICATE_SIZE, 0, "607#2100200007000000" },
+    { TYP_INT64 | TYP_INDICATE_SIZE, 0, "607#2100200008000000" },
     { TYP_UINT64 | TYP_INDICATE_SIZE, 0, "607#2100200008000000" },
     { TYP_DOMAIN, 5, "607#2000200000000000" },
     { TYP_VIS_STRING | TYP_INDICATE_NO_SIZE, 5, "607#2000200000000000" },
@@ -479,6 +500,8 @@ int main(void)
     tcase_add_test(tests, an_overflow_leaves_the_buffer);
     tcase_add_test(tests, an_overflow_of_unknown_size_leaves_the_length);
     tcase_add_loop_test(tests, a_node_that_breaks_the_protocol, 0, ROWS(broken));
+    tcase_add_loop_test(tests, a_node_that_breaks_the_protocol_when_written, 0,
+                        ROWS(broken_writes));
     tcase_add_test(tests, aborts_come_with_their_code);
     tcase_add_loop_test(tests, a_node_that_is_not_there_costs_its_time_out, 0, ROWS(silences));
     tcase_add_loop_test(tests, a_type_has_its_length_and_flags, 0, ROWS(writes));

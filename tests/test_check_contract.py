@@ -50,6 +50,29 @@ MCANOPEN_API int canOpenReadDictionary(HNODE Node,
 MCANOPEN_API int canOpenReadDictionaryHnd(HDICT Entry, void *Data);
 MCANOPEN_API void canOpenGetVersions(int *Versions);
 """
+MANAGER = """
+#define MCANOPEN_H
+#define MCAL_NO_NET (-9)
+#define MCAL_PARA_ERROR (-7)
+#define MCAL_SYS_ERROR (-8)
+#define MCAL_BUFFER_OVERFLOW (-16)
+#define CANOPEN_DCF_INIT_ERROR (-101)
+/* Defined so that programs compile. Real files have these faults: */
+#define CANOPEN_DCF_DOUBLE_KEYWORD (-111)
+enum { MCANOPEN_MSG_TEXT = 1 };
+/*
+ * Reads.
+ *   MCAL_BUFFER_OVERFLOW  too long; after MCANOPEN_OK never
+ */
+MCANOPEN_API int mcanOpenReadSDO(unsigned short net, int *len);
+/* As mcanOpenReadSDO. */
+MCANOPEN_API int mcanOpenWriteSDO(unsigned short net, int len);
+/* CANOPEN_DCF_...  as told at each code */
+MCANOPEN_API int mcanOpenConfig(const char *file);
+/* Never MCANOPEN_ERROR. */
+MCANOPEN_API const char *mcanOpenGetErrorText(void);
+MCANOPEN_API extern const char *const cParaInfo[PARA_INFO_SIZE];
+"""
 NAMES = {
     ("constant", "SCANOPEN_OK"), ("constant", "NodeInit"), ("constant", "NodeStopped"),
     ("event", "EV_RESET"), ("macro", "LIST"), ("type", "HNODE"), ("type", "HNDO"),
@@ -65,7 +88,14 @@ NAMES = {
     ("error", "canOpenReadDictionary SCANOPEN_WRONG_INDEX"),
     ("error", "canOpenReadDictionaryHnd SCANOPEN_INVALID_HANDLE"),
     ("error", "canOpenReadDictionaryHnd SCANOPEN_WRONG_PARAMETER"),
-}
+    ("constant", "CANOPEN_DCF_DOUBLE_KEYWORD"), ("constant", "cParaInfo"),
+    ("event", "MCANOPEN_MSG_TEXT"), ("function", "mcanOpenReadSDO"),
+    ("function", "mcanOpenWriteSDO"), ("function", "mcanOpenConfig"),
+    ("function", "mcanOpenGetErrorText"), ("error", "mcanOpenReadSDO MCAL_BUFFER_OVERFLOW"),
+    ("error", "mcanOpenConfig CANOPEN_DCF_INIT_ERROR"),
+} | {("error", f"mcanOpen{f}SDO MCAL_{e}") for f in ("Read", "Write")
+     for e in ("NO_NET", "PARA_ERROR", "SYS_ERROR")}
+HEADERS = (FUNCTIONS, TYPES, "", MANAGER, "", "")
 SOURCE = "START_TEST(it_makes)\n{ canOpenMake(SCANOPEN_OK, ulArg1); }\n"
 
 
@@ -86,7 +116,7 @@ def run(text):
         root = Path(folder)
         (root / "include").mkdir()
         (root / "tests").mkdir()
-        for name, header in zip(contract.HEADERS, (FUNCTIONS, TYPES, "")):
+        for name, header in zip(contract.HEADERS, HEADERS):
             (root / "include" / name).write_text(header, encoding="utf-8")
         (root / "tests" / "test_make.c").write_text(SOURCE, encoding="utf-8")
         (root / "tests" / "contract.tsv").write_text(text, encoding="utf-8")
@@ -96,7 +126,7 @@ def run(text):
 
 class Names(unittest.TestCase):
     def test_all_of_the_headers(self):
-        self.assertEqual(contract.public_names([FUNCTIONS, TYPES]), NAMES)
+        self.assertEqual(contract.public_names(HEADERS), NAMES)
 
 
 class Table(unittest.TestCase):

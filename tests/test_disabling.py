@@ -86,6 +86,16 @@ class Switches(unittest.TestCase):
         self.assertIn("        return;\n    __real_canOpenTell(ret);\n}\n",
                       make_switches.switch(function))
 
+    def test_of_the_manager(self):
+        function = contract.functions_of("MCANOPEN_API int mcanOpenMake(void);")[0]
+        self.assertIn("        return MCAL_UNSUPPORTED;\n    return __real_mcanOpenMake();\n}\n",
+                      make_switches.switch(function))
+
+    def test_text(self):
+        function = contract.functions_of("MCANOPEN_API const char *mcanOpenName(void);")[0]
+        self.assertIn("const char *__wrap_mcanOpenName(void)\n{", make_switches.switch(function))
+        self.assertIn('        return "";\n', make_switches.switch(function))
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -136,6 +136,31 @@ START_TEST(descriptors_hold_their_type)
 }
 END_TEST
 
+/* With all bits set, a number without a sign is the largest one. */
+START_TEST(short_types)
+{
+    const UINT8 u8 = (UINT8)-1;
+    const UINT16 u16 = (UINT16)-1;
+    const UINT32 u32 = (UINT32)-1;
+    const UINT64 u64 = (UINT64)-1;
+    const INT8 i8 = -1;
+    const INT16 i16 = -1;
+    const INT32 i32 = -1;
+    const INT64 i64 = -1;
+
+    ck_assert_uint_eq(u8, UINT8_MAX);
+    ck_assert_uint_eq(u16, UINT16_MAX);
+    ck_assert_uint_eq(u32, UINT32_MAX);
+    ck_assert_uint_eq(u64, UINT64_MAX);
+    ck_assert_uint_eq(sizeof i8, 1);
+    ck_assert_uint_eq(sizeof i16, 2);
+    ck_assert_uint_eq(sizeof i32, 4);
+    ck_assert_uint_eq(sizeof i64, 8);
+    ck_assert_int_eq(i8 + i16 + i32 + i64, -4);
+    (VOID) u8;
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("public_values");
@@ -146,6 +171,7 @@ int main(void)
     tcase_add_test(values, codes_are_negative_and_differ);
     tcase_add_test(values, flags_do_not_share_bits);
     tcase_add_test(values, descriptors_hold_their_type);
+    tcase_add_test(values, short_types);
     suite_add_tcase(suite, values);
     srunner_run_all(runner, CK_NORMAL);
     failed = srunner_ntests_failed(runner);

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Writes the switches of the disabling run: C functions in front of those of scanopen.h.
+"""Writes the switches of the disabling run: C functions in front of those of the public headers.
 
     make_switches.py INCLUDE OUTPUT
 
 The linker leads all calls of canOpenX to __wrap_canOpenX (--wrap), which is made here. It calls the
 library's canOpenX, unless the environment's MCANOPEN_DISABLE is "canOpenX": then it does nothing
-and returns "not implemented".
+and returns "not implemented". The same for mcanOpenX.
 """
 import re
 import sys
@@ -15,6 +15,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import contract  # noqa: E402, found there
 
 HEAD = """/* Made by tests/disabling/make_switches.py. */
+#include "mcanopen.h"
 #include "scanopen.h"
 
 #include <stdbool.h>
@@ -30,34 +31,44 @@ static bool disabled(const char *function)
     return name && strcmp(name, function) == 0;
 }
 """
-VALUE = """
-{result} __real_{name}({parameters});
-{result} __wrap_{name}({parameters});
+SWITCH = """
+{result}__real_{name}({parameters});
+{result}__wrap_{name}({parameters});
 
-{result} __wrap_{name}({parameters})
+{result}__wrap_{name}({parameters})
 {{
     if (disabled("{name}"))
-        return SCANOPEN_NOT_IMPLEMENTED;
-    return __real_{name}({arguments});
+        return{value};
+    {call}__real_{name}({arguments});
 }}
 """
-NO_VALUE = VALUE.replace("return SCANOPEN_NOT_IMPLEMENTED", "return").replace(
-    "    return __real_", "    __real_")
+HEADERS = ("scanopen.h", "mcanopen.h")
+
+
+def not_implemented(function):
+    """What it returns instead of a result."""
+    if function.result == "void":
+        return ""
+    if function.result.endswith("*"):
+        return ' ""'
+    return " MCAL_UNSUPPORTED" if function.name.startswith("mcan") else " SCANOPEN_NOT_IMPLEMENTED"
 
 
 def switch(function):
-    arguments = (re.search(r"(\w+)$", p).group(1) for p in function.parameters)
-    form = NO_VALUE if function.result == "void" else VALUE
-    return form.format(result=function.result, name=function.name,
-                       parameters=", ".join(function.parameters), arguments=", ".join(arguments))
+    names = (re.search(r"(\w+)$", p).group(1) for p in function.parameters)
+    return SWITCH.format(result=function.result + (" " if function.result[-1] != "*" else ""),
+                         name=function.name, parameters=", ".join(function.parameters),
+                         value=not_implemented(function),
+                         call="" if function.result == "void" else "return ",
+                         arguments=", ".join(n for n in names if n != "void"))
 
 
 def main(arguments):
     if len(arguments) != 2:
         print(__doc__.strip())
         return 2
-    text = (Path(arguments[0]) / "scanopen.h").read_text(encoding="utf-8")
-    switches = [switch(f) for f in contract.functions_of(text)]
+    texts = ((Path(arguments[0]) / name).read_text(encoding="utf-8") for name in HEADERS)
+    switches = [switch(f) for text in texts for f in contract.functions_of(text)]
     Path(arguments[1]).write_text(HEAD + "".join(switches), encoding="utf-8")
     return 0 if switches else 1
 

@@ -23,6 +23,7 @@ struct api_wire {
     struct rule rules[RULES];
     unsigned rule_count;
     char (*frames)[CO_FRAME_TEXT_SIZE];
+    co_us_t *times; /* of the frames */
     unsigned frame_count;
     bool stop;
 };
@@ -40,13 +41,14 @@ static void say(struct api_wire *self, const char *text)
     ck_assert_int_eq(bus_send(self->bus, &frame), CO_OK);
 }
 
-static void on_frame(struct api_wire *self, const struct co_frame *frame)
+static void on_frame(struct api_wire *self, const struct bus_rx *rx)
 {
     char *text;
 
     ck_assert_uint_lt(self->frame_count, FRAMES);
+    self->times[self->frame_count] = rx->time;
     text = self->frames[self->frame_count++];
-    co_frame_format(frame, text, CO_FRAME_TEXT_SIZE);
+    co_frame_format(&rx->frame, text, CO_FRAME_TEXT_SIZE);
     for (unsigned i = self->rule_count; i-- > 0;) {
         if (!begins_like(text, self->rules[i].request))
             continue;
@@ -67,7 +69,7 @@ static void *run(void *context)
         bus_wait(self->bus, CO_NEVER);
         lock_take(&self->lock);
         while (bus_receive(self->bus, &rx) == CO_OK)
-            on_frame(self, &rx.frame);
+            on_frame(self, &rx);
         stop = self->stop;
         lock_give(&self->lock);
     }
@@ -78,15 +80,18 @@ struct api_wire *api_wire_open(const char *bus)
 {
     struct api_wire *self = calloc(1, sizeof *self);
     const struct bus_options options = { .own_frames = false };
+    const struct bus_filter all = { .mask = 0 };
     char message[200] = "";
 
     ck_assert_ptr_nonnull(self);
     self->frames = calloc(FRAMES, sizeof *self->frames);
-    ck_assert_ptr_nonnull(self->frames);
+    self->times = calloc(FRAMES, sizeof *self->times);
+    ck_assert(self->frames && self->times);
     ck_assert_int_eq(lock_init(&self->lock), CO_OK);
     ck_assert_int_eq(condition_init(&self->changed), CO_OK);
     ck_assert_msg(bus_open(bus, &options, &self->bus, message, sizeof message) == CO_OK, "%s",
                   message);
+    ck_assert_int_eq(bus_set_filters(self->bus, &all, 1), CO_OK);
     ck_assert_int_eq(thread_start(&self->thread, "wire", run, self), CO_OK);
     return self;
 }
@@ -102,6 +107,7 @@ void api_wire_close(struct api_wire *self)
     condition_done(&self->changed);
     lock_done(&self->lock);
     free(self->frames);
+    free(self->times);
     free(self);
 }
 
@@ -150,4 +156,19 @@ void api_wire_wait(struct api_wire *self, const char *frame, unsigned expected)
         err = condition_wait(&self->changed, &self->lock, limit);
     lock_give(&self->lock);
     ck_assert_msg(times >= expected, "%s: %u times, not %u", frame, times, expected);
+}
+
+co_us_t api_wire_time(struct api_wire *self, const char *frame, unsigned number)
+{
+    co_us_t time = 0;
+    unsigned times = 0;
+
+    api_wire_wait(self, frame, number);
+    lock_take(&self->lock);
+    for (unsigned i = 0; times < number; i++) {
+        times += begins_like(self->frames[i], frame);
+        time = self->times[i];
+    }
+    lock_give(&self->lock);
+    return time;
 }

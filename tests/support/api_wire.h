@@ -5,6 +5,8 @@
 #ifndef TEST_SUPPORT_API_WIRE_H
 #define TEST_SUPPORT_API_WIRE_H
 
+#include "base/time.h"
+
 #include <stdbool.h>
 
 struct api_wire;
@@ -20,5 +22,7 @@ void api_wire_say(struct api_wire *self, const char *frame);
 unsigned api_wire_count(struct api_wire *self, const char *frame);
 /* Until there have been so many. */
 void api_wire_wait(struct api_wire *self, const char *frame, unsigned count);
+/* When the number-th of them, from 1, was received; waits for it. */
+co_us_t api_wire_time(struct api_wire *self, const char *frame, unsigned number);
 
 #endif

@@ -59,9 +59,10 @@ void boot_network_begin(struct manager *self, enum nmt_command command, co_us_t 
     begin(self, command, false, now);
 }
 
-static bool keeps_nodes_alive(struct manager *self)
+static bool keeps_nodes_alive(const struct manager *self)
 {
-    FOR_EACH_NODE(self, node) {
+    LOOK_AT_EACH_NODE(self, node)
+    {
         if (boot_node_is_booted_by_master(node) && node->config->check_node_state)
             return true;
     }
@@ -102,6 +103,7 @@ static void submit(struct manager *self, struct boot_node *node, co_us_t now)
 
 void boot_network_reboot(struct manager *self, struct boot_node *node, co_us_t now)
 {
+    manager_touch(self, node->config->node_id);
     take_request_back(self, node, now);
     boot_node_begin(node, now, &self->inner);
     submit(self, node, now);
@@ -109,6 +111,7 @@ void boot_network_reboot(struct manager *self, struct boot_node *node, co_us_t n
 
 void boot_network_go_on_updating(struct manager *self, struct boot_node *node, co_us_t now)
 {
+    manager_touch(self, node->config->node_id);
     take_request_back(self, node, now);
     software_on_boot_up(node, now, &self->inner);
     submit(self, node, now);
@@ -117,21 +120,12 @@ void boot_network_go_on_updating(struct manager *self, struct boot_node *node, c
 void boot_network_reset_node(struct manager *self, struct boot_node *node, enum nmt_command command,
                              co_us_t now)
 {
+    manager_touch(self, node->config->node_id);
     take_request_back(self, node, now);
     boot_node_reset(node, command, now, &self->inner);
 }
 
 /* --- the way to operational --- */
-
-static bool is_in_progress(const struct boot_node *node)
-{
-    return boot_node_is_booted_by_master(node) && !node->tried;
-}
-
-static bool is_missing(const struct boot_node *node)
-{
-    return boot_node_is_booted_by_master(node) && node->config->mandatory && !node->booted;
-}
 
 /* It must not hear a start command: not configured, or nobody knows. */
 static bool is_unready(const struct boot_node *node)
@@ -140,9 +134,10 @@ static bool is_unready(const struct boot_node *node)
            (!node->booted || node->lost);
 }
 
-bool boot_network_is_ready(struct manager *self)
+bool boot_network_is_ready(const struct manager *self)
 {
-    FOR_EACH_NODE(self, node) {
+    LOOK_AT_EACH_NODE(self, node)
+    {
         if (is_unready(node))
             return false;
     }
@@ -150,9 +145,10 @@ bool boot_network_is_ready(struct manager *self)
 }
 
 /* A broadcast starts whoever hears it: only right when that is right for each node. */
-static bool all_may_be_started(struct manager *self)
+static bool all_may_be_started(const struct manager *self)
 {
-    FOR_EACH_NODE(self, node) {
+    LOOK_AT_EACH_NODE(self, node)
+    {
         if (!boot_node_is_booted_by_master(node) || !node->config->auto_start_slave)
             return false;
     }
@@ -181,9 +177,17 @@ static void reset_lost_nodes(struct manager *self, co_us_t now)
     }
 }
 
+/* What has been as it is now means something else. */
+static void touch_all(struct manager *self)
+{
+    for (size_t i = 0; i < self->config->node_count; i++)
+        manager_touch(self, self->config->nodes[i].node_id);
+}
+
 void boot_network_operate(struct manager *self, co_us_t now)
 {
     self->state = NETWORK_OPERATIONAL;
+    touch_all(self);
     slave_command(&self->device, NMT_START, now, &self->inner);
     reset_lost_nodes(self, now);
 }
@@ -199,40 +203,28 @@ void boot_network_go(struct manager *self, co_us_t now)
         boot_network_start_each(self, now);
 }
 
-/* What check_booting() looks for. */
-struct roll_call {
-    unsigned missing;     /* mandatory nodes that have not booted */
-    unsigned in_progress; /* nodes that have not had their first try */
-    uint8_t first;        /* of the missing */
-    bool failed;          /* one of the missing will not be tried again */
-};
-
-static struct roll_call call_roll(struct manager *self)
+/* A mandatory node that is missing; there is one. */
+static uint8_t first_missing(const struct manager *self)
 {
-    struct roll_call roll = { .missing = 0 };
-
-    FOR_EACH_NODE(self, node) {
-        roll.in_progress += is_in_progress(node);
-        if (!is_missing(node))
-            continue;
-        if (roll.missing++ == 0)
-            roll.first = node->config->node_id;
-        roll.failed |= node->step == BOOT_FAILED;
+    LOOK_AT_EACH_NODE(self, node)
+    {
+        if (roll_call_is_missing(node))
+            return node->config->node_id;
     }
-    return roll;
+    return 0;
 }
 
-static void halt(struct manager *self, const struct roll_call *roll, bool time_over)
+static void halt(struct manager *self, bool time_over)
 {
     self->state = NETWORK_HALTED;
     put_event(self, (struct co_event){ .type = MANAGER_HALTED,
-                                       .node = roll->first,
-                                       .actual = roll->missing,
+                                       .node = first_missing(self),
+                                       .actual = self->roll.missing,
                                        .expected = time_over ? self->config->boot_time : 0 });
 }
 
 /* Who waits for a plant to start wants to know for whom it waits. */
-static void remind(struct manager *self, const struct roll_call *roll, co_us_t now)
+static void remind(struct manager *self, co_us_t now)
 {
     if (now < self->reminder)
         return;
@@ -240,65 +232,89 @@ static void remind(struct manager *self, const struct roll_call *roll, co_us_t n
     if (self->reminder_interval > LAST_REMINDER)
         self->reminder_interval = LAST_REMINDER;
     self->reminder = now + self->reminder_interval;
-    if (roll->missing > 0)
+    if (self->roll.missing > 0)
         put_event(self, (struct co_event){ .type = MANAGER_WAITING,
-                                           .node = roll->first,
-                                           .actual = roll->missing });
+                                           .node = first_missing(self),
+                                           .actual = self->roll.missing });
 }
 
 static void check_booting(struct manager *self, co_us_t now)
 {
-    struct roll_call roll = call_roll(self);
+    const struct roll_call *roll = &self->roll;
     bool time_over = now >= self->boot_limit;
 
-    if (roll.missing == 0)
+    if (roll->missing == 0)
         self->boot_limit = CO_NEVER; /* kept: the limit is for mandatory nodes */
-    if (roll.missing == 0 && roll.in_progress == 0) {
+    if (roll->missing == 0 && roll->in_progress == 0) {
         if (self->config->auto_operational)
             boot_network_go(self, now);
         else
             self->state = NETWORK_WAITING;
-    } else if (self->state == NETWORK_BOOTING && roll.missing > 0 &&
-               (time_over || (roll.failed && roll.in_progress == 0))) {
-        halt(self, &roll, time_over);
+    } else if (self->state == NETWORK_BOOTING && roll->missing > 0 &&
+               (time_over || (roll->failed > 0 && roll->in_progress == 0))) {
+        halt(self, time_over);
     } else if (self->state == NETWORK_BOOTING) {
-        remind(self, &roll, now);
+        remind(self, now);
     }
 }
 
 /* A node that boots after the others. */
-static void start_late_nodes(struct manager *self, co_us_t now)
+static void start_late_node(struct manager *self, struct boot_node *node, co_us_t now)
 {
-    if (!self->config->auto_start || self->start_all_due)
-        return;
-    FOR_EACH_NODE(self, node) {
-        if (may_be_started(node) && !node->start_due && !node->held)
-            boot_node_start(node, now, &self->inner);
-    }
+    if (self->config->auto_start && !self->start_all_due && may_be_started(node) &&
+        !node->start_due && !node->held)
+        boot_node_start(node, now, &self->inner);
+}
+
+bool boot_network_is_node_up(const struct manager *self, const struct boot_node *node)
+{
+    bool started_by_master = self->config->auto_operational && self->config->auto_start &&
+                             node->config->auto_start_slave;
+
+    if (!boot_node_is_booted_by_master(node))
+        return true;
+    return node->booted && (!started_by_master || node->nmt_state == NMT_OPERATIONAL);
 }
 
 static void tell_up(struct manager *self)
 {
     unsigned booted = 0;
 
-    if (self->up_told || !manager_is_up(self, false))
+    if (self->up_told || self->roll.down > 0 || !manager_is_up(self, false))
         return;
-    FOR_EACH_NODE(self, node)
-        booted += node->booted;
+    LOOK_AT_EACH_NODE(self, node)
+    booted += node->booted;
     self->up_told = true;
     put_event(self, (struct co_event){ .type = MANAGER_NETWORK_UP,
                                        .actual = booted,
                                        .expected = self->config->node_count });
 }
 
+static void look_at_touched(struct manager *self, co_us_t now)
+{
+    struct co_set touched = self->touched;
+
+    self->touched = (struct co_set){ { 0 } };
+    CO_SET_EACH(&touched, i)
+    {
+        struct boot_node *node = &self->nodes[i];
+
+        if (!node->config)
+            continue;
+        submit(self, node, now);
+        if (self->state == NETWORK_OPERATIONAL)
+            start_late_node(self, node, now);
+        roll_call_count(&self->roll, node, boot_network_is_node_up(self, node));
+    }
+}
+
 void boot_network_check(struct manager *self, co_us_t now)
 {
-    FOR_EACH_NODE(self, node)
-        submit(self, node, now);
-    if (self->state == NETWORK_BOOTING || self->state == NETWORK_HALTED)
+    look_at_touched(self, now);
+    if (self->state == NETWORK_BOOTING || self->state == NETWORK_HALTED) {
         check_booting(self, now);
-    else if (self->state == NETWORK_OPERATIONAL)
-        start_late_nodes(self, now);
+        look_at_touched(self, now); /* it may have started all of them */
+    }
     tell_up(self);
 }
 

@@ -7,10 +7,25 @@
 
 #include "manager/manager.h"
 
-/* Runs 'each' over the configured nodes. */
+/* A configured node, by its place in the configuration, to act on it. */
+static inline struct boot_node *boot_network_node(struct manager *self, size_t i)
+{
+    uint8_t node = self->config->nodes[i].node_id;
+
+    manager_touch(self, node);
+    return &self->nodes[node];
+}
+
+/* Runs over the configured nodes, to act on them ... */
 #define FOR_EACH_NODE(manager, node)                                                               \
     for (size_t i_ = 0; i_ < (manager)->config->node_count; i_++)                                  \
-        for (struct boot_node *node = &(manager)->nodes[(manager)->config->nodes[i_].node_id];     \
+        for (struct boot_node *node = boot_network_node(manager, i_); node; node = NULL)
+
+/* ... or only to look at them. */
+#define LOOK_AT_EACH_NODE(manager, node)                                                           \
+    for (size_t i_ = 0; i_ < (manager)->config->node_count; i_++)                                  \
+        for (const struct boot_node *node =                                                        \
+                 &(manager)->nodes[(manager)->config->nodes[i_].node_id];                          \
              node; node = NULL)
 
 /* All frames and events below go to manager->inner. */
@@ -34,7 +49,9 @@ void boot_network_operate(struct manager *self, co_us_t now);
 /* Starts the booted slaves, each with a command of its own. */
 void boot_network_start_each(struct manager *self, co_us_t now);
 /* True if a broadcast would start no slave that is not configured. */
-bool boot_network_is_ready(struct manager *self);
+bool boot_network_is_ready(const struct manager *self);
+/* It is as the configuration wants it in a network that is up. */
+bool boot_network_is_node_up(const struct manager *self, const struct boot_node *node);
 /* NMT stop for all, the manager too. */
 void boot_network_stop(struct manager *self, co_us_t now);
 /* A boot-up message in the boot delay. */

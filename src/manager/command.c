@@ -129,5 +129,6 @@ enum co_err command_execute(struct manager *self, enum nmt_command command, uint
         return command_all(self, command, now);
     if (node > NETWORK_NODE_MAX || !self->nodes[node].config)
         return CO_ERR_NOT_FOUND;
+    manager_touch(self, node);
     return command_node(self, command, &self->nodes[node], now);
 }

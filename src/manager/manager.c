@@ -21,6 +21,7 @@ enum co_err manager_init(struct manager *self, const struct network_config *conf
     self->config = config;
     self->deadline = CO_NEVER;
     self->boot_limit = CO_NEVER;
+    co_deadlines_init(&self->deadlines);
     co_outbox_init(&self->inner, self->inner_frames, MANAGER_INNER_FRAMES, self->inner_events,
                    MANAGER_INNER_EVENTS);
     for (uint8_t node = 1; node <= NETWORK_NODE_MAX; node++) {
@@ -81,6 +82,7 @@ static bool is_of_device(uint16_t type)
 /* True if the event was for the manager alone. */
 static bool consume(struct manager *self, const struct co_event *event, co_us_t now)
 {
+    manager_touch(self, event->node);
     switch (event->type) {
     case PROTO_SDO_DONE: on_sdo_done(self, event, now); return true;
     case PROTO_HB_STATE:
@@ -131,6 +133,22 @@ static void tell_dropped(struct manager *self, struct co_outbox *out)
     co_outbox_put_event(out, &event);
 }
 
+static co_us_t node_deadline(const struct manager *self, unsigned node)
+{
+    co_us_t deadline = sdo_client_deadline(&self->channels[node].client);
+
+    if (self->nodes[node].config)
+        deadline = co_earlier(deadline, boot_node_deadline(&self->nodes[node]));
+    return deadline;
+}
+
+static void follow_deadlines(struct manager *self)
+{
+    CO_SET_EACH(&self->moved, node)
+    co_deadlines_set(&self->deadlines, node, node_deadline(self, node));
+    self->moved = (struct co_set){ { 0 } };
+}
+
 /* Moves frames and events out, in order, until nothing is left or there is no room. */
 static void settle(struct manager *self, co_us_t now, struct co_outbox *out)
 {
@@ -151,6 +169,7 @@ static void settle(struct manager *self, co_us_t now, struct co_outbox *out)
         }
     }
     tell_dropped(self, out);
+    follow_deadlines(self);
 }
 
 /* --- frames --- */
@@ -204,15 +223,24 @@ static void on_foreign_command(struct manager *self, const struct co_frame *fram
  * A start command has got on the wire behind the news that its node has restarted: the node is
  * operational without its configuration.
  */
+static void on_started(struct manager *self, struct boot_node *node, co_us_t now)
+{
+    if (boot_node_is_in_mid_boot(node))
+        boot_network_reset_node(self, node, boot_node_reset_command(node), now);
+}
+
 static void on_own_command(struct manager *self, const struct co_frame *frame, co_us_t now)
 {
+    uint8_t target = frame->data[1];
+
     if (frame->id != NMT_CAN_ID || frame->data[0] != NMT_START)
         return;
-    FOR_EACH_NODE(self, node) {
-        if ((frame->data[1] == NMT_ALL_NODES || frame->data[1] == node->config->node_id) &&
-            boot_node_is_in_mid_boot(node))
-            boot_network_reset_node(self, node, boot_node_reset_command(node), now);
+    if (target != NMT_ALL_NODES && target <= NETWORK_NODE_MAX) {
+        on_started(self, &self->nodes[target], now);
+        return;
     }
+    FOR_EACH_NODE(self, node)
+        on_started(self, node, now);
 }
 
 bool manager_awaits_wire(const struct manager *self)
@@ -225,20 +253,23 @@ bool manager_awaits_wire(const struct manager *self)
 
 void manager_on_handed_over(struct manager *self, co_us_t now)
 {
-    for (uint8_t node = 1; node <= NETWORK_NODE_MAX && self->inner.frame_count == 0; node++)
+    for (uint8_t node = 1; node <= NETWORK_NODE_MAX && self->inner.frame_count == 0; node++) {
         sdo_client_on_handed_over(&self->channels[node].client, now);
+        manager_touch(self, node);
+    }
+    follow_deadlines(self);
 }
 
 /* On a slow bus requests queue for seconds; none of them is stuck as long as one gets through. */
 void manager_on_progress(struct manager *self, co_us_t now)
 {
-    for (uint8_t node = 1; node <= NETWORK_NODE_MAX; node++)
-        sdo_client_on_progress(&self->channels[node].client, now);
+    self->progress = now; /* run_node() tells those that need to know */
 }
 
 static void on_own_frame(struct manager *self, const struct co_frame *frame, co_us_t now)
 {
     if (is_in_range(frame, SDO_REQUEST_ID)) {
+        manager_touch(self, frame->id & 0x7Fu);
         manager_on_progress(self, now);
         sdo_client_on_frame(&self->channels[frame->id & 0x7Fu].client, frame, now, &self->inner);
     } else {
@@ -248,9 +279,10 @@ static void on_own_frame(struct manager *self, const struct co_frame *frame, co_
 
 static void dispatch(struct manager *self, const struct co_frame *frame, co_us_t now)
 {
-    uint32_t node = frame->id & 0x7Fu;
+    uint8_t node = frame->id & 0x7Fu;
     bool own = (frame->flags & CO_FRAME_OWN) != 0;
 
+    manager_touch(self, node);
     if (is_in_range(frame, SDO_RESPONSE_ID)) /* also of the own device */
         sdo_client_on_frame(&self->channels[node].client, frame, now, &self->inner);
     else if (own)
@@ -330,6 +362,7 @@ void manager_submit(struct manager *self, uint8_t node, struct sdo_request *requ
 {
     if (self->shut)
         return;
+    manager_touch(self, node);
     if (self->bus_lost) {
         sdo_request_give_up(request, node);
         put_request_done(self, node);
@@ -342,8 +375,10 @@ void manager_submit(struct manager *self, uint8_t node, struct sdo_request *requ
 void manager_shut(struct manager *self, co_us_t now, struct co_outbox *out)
 {
     self->shut = true;
-    for (uint8_t node = 1; node <= NETWORK_NODE_MAX; node++)
+    for (uint8_t node = 1; node <= NETWORK_NODE_MAX; node++) {
+        manager_touch(self, node);
         sdo_channel_clear(&self->channels[node], now, &self->inner);
+    }
     settle(self, now, out);
 }
 
@@ -354,6 +389,7 @@ void manager_cancel(struct manager *self, uint8_t node, struct sdo_request *requ
 
     if (request->state != REQUEST_QUEUED && request->state != REQUEST_RUNNING)
         return;
+    manager_touch(self, node);
     if (!sdo_channel_cancel(channel, request, SDO_TIMEOUT, now, &self->inner))
         sdo_channel_cancel(channel, request, SDO_OK, now, &self->inner);
     settle(self, now, out);
@@ -366,6 +402,7 @@ static void lose_bus(struct manager *self, co_us_t now)
     if (self->config->nmt_master)
         boot_network_suspend(self, now);
     for (uint8_t node = 1; node <= NETWORK_NODE_MAX; node++) {
+        manager_touch(self, node);
         while (sdo_channel_give_up(&self->channels[node]))
             put_request_done(self, node);
     }
@@ -384,26 +421,15 @@ void manager_on_bus(struct manager *self, bool up, co_us_t now, struct co_outbox
     settle(self, now, out);
 }
 
-static bool node_is_up(const struct manager *self, const struct boot_node *node)
-{
-    bool started_by_master = self->config->auto_operational && self->config->auto_start &&
-                             node->config->auto_start_slave;
-
-    if (!boot_node_is_booted_by_master(node))
-        return true;
-    return node->booted && (!started_by_master || node->nmt_state == NMT_OPERATIONAL);
-}
-
 bool manager_is_up(const struct manager *self, bool all)
 {
     if (!self->config->nmt_master)
         return self->device.state == NMT_OPERATIONAL;
     if (self->state != NETWORK_OPERATIONAL && self->state != NETWORK_WAITING)
         return false;
-    for (size_t i = 0; i < self->config->node_count; i++) {
-        const struct boot_node *node = &self->nodes[self->config->nodes[i].node_id];
-
-        if ((all || node->config->mandatory) && !node_is_up(self, node))
+    LOOK_AT_EACH_NODE(self, node)
+    {
+        if ((all || node->config->mandatory) && !boot_network_is_node_up(self, node))
             return false;
     }
     return true;
@@ -411,17 +437,24 @@ bool manager_is_up(const struct manager *self, bool all)
 
 /* --- time --- */
 
+static void run_node(struct manager *self, uint8_t node, co_us_t now)
+{
+    manager_touch(self, node);
+    sdo_client_on_progress(&self->channels[node].client, self->progress);
+    sdo_client_on_time(&self->channels[node].client, now, &self->inner);
+    if (self->nodes[node].config)
+        boot_node_on_time(&self->nodes[node], now, &self->inner);
+}
+
 void manager_on_time(struct manager *self, co_us_t now, struct co_outbox *out)
 {
     settle(self, now, out);
     if (!co_outbox_room(&self->inner, 0, EVENT_ROOM))
         return;
     slave_on_time(&self->device, now, &self->inner);
-    for (uint8_t node = 1; node <= NETWORK_NODE_MAX; node++) {
-        sdo_client_on_time(&self->channels[node].client, now, &self->inner);
-        if (self->nodes[node].config)
-            boot_node_on_time(&self->nodes[node], now, &self->inner);
-    }
+    for (unsigned node = co_deadlines_due(&self->deadlines, 0, now); node <= NETWORK_NODE_MAX;
+         node = co_deadlines_due(&self->deadlines, node + 1, now))
+        run_node(self, (uint8_t)node, now);
     boot_network_on_time(self, now);
     boot_network_check(self, now);
     settle(self, now, out);
@@ -433,10 +466,5 @@ co_us_t manager_deadline(const struct manager *self)
 
     if (self->inner.frame_count > 0 || self->inner.event_count > 0)
         return 0;
-    for (uint8_t node = 1; node <= NETWORK_NODE_MAX; node++) {
-        deadline = co_earlier(deadline, sdo_client_deadline(&self->channels[node].client));
-        if (self->nodes[node].config)
-            deadline = co_earlier(deadline, boot_node_deadline(&self->nodes[node]));
-    }
-    return deadline;
+    return co_earlier(deadline, co_deadlines_first(&self->deadlines));
 }

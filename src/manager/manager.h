@@ -24,8 +24,11 @@
 #ifndef CO_MANAGER_MANAGER_H
 #define CO_MANAGER_MANAGER_H
 
+#include "base/deadlines.h"
+#include "base/set.h"
 #include "manager/boot_node.h"
 #include "manager/network_config.h"
+#include "manager/roll_call.h"
 #include "manager/sdo_channel.h"
 #include "slave/slave.h"
 
@@ -49,8 +52,15 @@ struct manager {
     struct boot_node nodes[NETWORK_NODE_MAX + 1];      /* by node-ID */
     struct sdo_channel channels[NETWORK_NODE_MAX + 1]; /* by node-ID */
     unsigned block_downloads;                          /* that run in these */
-    uint8_t state;                                     /* enum boot_network_state */
-    bool bus_lost;                                     /* see manager_on_bus() */
+    /* What concerns one node costs the same however many there are: only those to which something
+     * has happened are looked at. See manager_touch(). */
+    struct co_set touched;         /* not looked at since */
+    struct co_set moved;           /* their deadlines are not in these: */
+    struct co_deadlines deadlines; /* of nodes with their channels, by node-ID */
+    struct roll_call roll;
+    co_us_t progress;   /* an SDO request has got on the wire last */
+    uint8_t state;      /* enum boot_network_state */
+    bool bus_lost;      /* see manager_on_bus() */
     bool up_told;       /* MANAGER_NETWORK_UP was given since the last start */
     bool reset_due;     /* RESETTING: the command is still to be sent */
     bool reset_each;    /* ... to each node that has reset_due, not to all */
@@ -70,6 +80,15 @@ struct manager {
     unsigned dropped; /* frames that came while nobody took what had been put out */
     unsigned dropped_told;
 };
+
+/* For whoever acts on a node (1..127) or its channel: something may be due, its deadline moves. */
+static inline void manager_touch(struct manager *self, uint8_t node)
+{
+    if (node < 1 || node > NETWORK_NODE_MAX)
+        return;
+    co_set_add(&self->touched, node);
+    co_set_add(&self->moved, node);
+}
 
 /* CO_ERR_MEMORY. The configuration must stay; it is checked and its CCFs are there. */
 enum co_err manager_init(struct manager *self, const struct network_config *config);

@@ -498,10 +498,12 @@ void sdo_client_on_frame(struct sdo_client *self, const struct co_frame *frame, 
         on_own(self, frame, now);
 }
 
-void sdo_client_on_progress(struct sdo_client *self, co_us_t now)
+void sdo_client_on_progress(struct sdo_client *self, co_us_t when)
 {
-    if (is_unconfirmed(self))
-        self->deadline = co_earlier(now + SDO_SEND_TIMEOUT, self->send_limit);
+    co_us_t deadline = co_earlier(when + SDO_SEND_TIMEOUT, self->send_limit);
+
+    if (is_unconfirmed(self) && deadline > self->deadline)
+        self->deadline = deadline;
 }
 
 static void on_deadline(struct sdo_client *self, co_us_t now, struct co_outbox *out)

@@ -118,9 +118,10 @@ bool sdo_client_cancel(struct sdo_client *self, sdo_abort_t code, struct co_outb
 
 /*
  * Other frames of the same sender have got on the wire: the request is not stuck, only queued
- * behind them. Its time limit to get there starts anew, up to SDO_SEND_LIMIT.
+ * behind them. Its time limit to get there starts anew then, up to SDO_SEND_LIMIT. It is enough to
+ * tell this before the time-out, and of a time before the request it may be told, too.
  */
-void sdo_client_on_progress(struct sdo_client *self, co_us_t now);
+void sdo_client_on_progress(struct sdo_client *self, co_us_t when);
 
 /* A request was put out, and nothing has shown yet that it is on the wire. */
 bool sdo_client_awaits_wire(const struct sdo_client *self);

@@ -38,9 +38,11 @@ static void happen(struct plant *plant, struct accident *accident)
     case DIES_AFTER: sim_power(&plant->sim, device->sim, false); break;
     case RESETS:
         slave_command(&device->slave, NMT_RESET_NODE, plant->sim.now, &device->sim->box);
+        sim_touch(&plant->sim, device->sim);
         break;
     case RESETS_COMMUNICATION:
         slave_command(&device->slave, NMT_RESET_COMMUNICATION, plant->sim.now, &device->sim->box);
+        sim_touch(&plant->sim, device->sim);
         break;
     case SAYS_BOOT_UP_TWICE:
         sim_say(&plant->sim, "705#00");

@@ -337,6 +337,7 @@ static enum sim_fate restart_before_start(struct plant *plant, const struct co_f
     --*left;
     slave_command(&plant->devices[5]->slave, NMT_RESET_NODE, plant->sim.now,
                   &plant->devices[5]->sim->box);
+    sim_touch(&plant->sim, plant->devices[5]->sim);
     return SIM_DELIVER;
 }
 

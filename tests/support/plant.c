@@ -71,6 +71,24 @@ static enum sim_fate on_frame(void *context, const struct co_frame *frame, uint8
     return fate;
 }
 
+/* The manager does not look at all nodes each time: does it miss one whose deadline has moved? */
+static void on_step(void *context)
+{
+    const struct plant *self = context;
+    const struct manager *manager = self->manager;
+
+    if (!self->manager_device || !self->manager_device->active || self->sim.steps % 16 != 0)
+        return;
+    for (unsigned node = 1; node <= NETWORK_NODE_MAX; node++) {
+        co_us_t deadline = sdo_client_deadline(&manager->channels[node].client);
+
+        if (manager->nodes[node].config)
+            deadline = co_earlier(deadline, boot_node_deadline(&manager->nodes[node]));
+        if (deadline < manager_deadline(manager))
+            ck_abort_msg("%s: node %u: its deadline is not the manager's", self->name, node);
+    }
+}
+
 struct plant *plant_new(const char *xml, unsigned bitrate)
 {
     struct plant *self = calloc(1, sizeof *self);
@@ -93,6 +111,7 @@ struct plant *plant_new(const char *xml, unsigned bitrate)
     self->sim.context = self;
     self->sim.on_event = on_event;
     self->sim.fault = on_frame;
+    self->sim.on_step = on_step;
     self->manager = malloc(sizeof *self->manager);
     ck_assert_ptr_nonnull(self->manager);
     return self;

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define FILTERS_MAX 64u /* of a device */
+
 void sim_init(struct sim *self, unsigned bitrate)
 {
     memset(self, 0, sizeof *self);
@@ -12,11 +14,51 @@ void sim_init(struct sim *self, unsigned bitrate)
     self->sending = -1;
     self->now = CO_MS(1000);
     self->box_size = SIM_BOX;
+    co_deadlines_init(&self->deadlines);
 }
 
 void sim_done(struct sim *self)
 {
     free(self->trace);
+}
+
+static unsigned number_of(const struct sim *self, const struct sim_device *device)
+{
+    return (unsigned)(device - self->devices);
+}
+
+static co_us_t device_deadline(const struct sim_device *device)
+{
+    if (!device->active || (!device->manager && !device->slave))
+        return CO_NEVER;
+    return device->manager ? manager_deadline(device->manager) : slave_deadline(device->slave);
+}
+
+static void follow_filters(struct sim *self, struct sim_device *device)
+{
+    struct slave_filter filters[FILTERS_MAX];
+    unsigned count = slave_listens(device->slave, filters, FILTERS_MAX);
+
+    assert(count <= FILTERS_MAX);
+    device->listens = device->slave->listen_generation;
+    for (unsigned id = 0; id < SIM_IDS; id++)
+        co_set_remove(&self->hearers[id], number_of(self, device));
+    for (unsigned i = 0; i < count; i++)
+        if (!filters[i].ext)
+            co_set_add(&self->hearers[filters[i].id], number_of(self, device));
+}
+
+void sim_touch(struct sim *self, struct sim_device *device)
+{
+    unsigned number = number_of(self, device);
+
+    co_deadlines_set(&self->deadlines, number, device_deadline(device));
+    if (device->active && device->box.frame_count > 0)
+        co_set_add(&self->waiting, number);
+    else
+        co_set_remove(&self->waiting, number);
+    if (device->slave && device->listens != device->slave->listen_generation)
+        follow_filters(self, device);
 }
 
 static struct sim_device *add_device(struct sim *self)
@@ -34,6 +76,7 @@ struct sim_device *sim_add_slave(struct sim *self, struct slave *slave)
 
     device->slave = slave;
     device->node = slave->node;
+    follow_filters(self, device);
     return device;
 }
 
@@ -43,6 +86,7 @@ struct sim_device *sim_add_manager(struct sim *self, struct manager *manager)
 
     device->manager = manager;
     device->node = manager->config->manager_node_id;
+    co_set_add(&self->managers, number_of(self, device));
     return device;
 }
 
@@ -73,6 +117,7 @@ void sim_power(struct sim *self, struct sim_device *device, bool on)
     else if (on)
         slave_start(device->slave, self->now, &device->box);
     take_events(self, device);
+    sim_touch(self, device);
 }
 
 co_us_t sim_frame_time(const struct sim *self, const struct co_frame *frame)
@@ -93,22 +138,34 @@ static void record(struct sim *self, const struct co_frame *frame, uint8_t sende
     self->trace[self->trace_count++] = (struct sim_line){ self->now, sender, *frame };
 }
 
+static void hear(struct sim *self, struct sim_device *device, struct co_frame frame)
+{
+    if (!device->active || device->unplugged)
+        return;
+    if (device->manager)
+        manager_on_frame(device->manager, &frame, self->now, &device->box);
+    else
+        slave_on_frame(device->slave, &frame, self->now, &device->box);
+    take_events(self, device);
+    sim_touch(self, device);
+}
+
 static void deliver(struct sim *self, const struct co_frame *frame, int sender)
 {
-    for (int i = 0; i < (int)self->device_count; i++) {
-        struct sim_device *device = &self->devices[i];
+    const struct co_set *hearers = &self->hearers[frame->id % SIM_IDS];
+    bool ext = (frame->flags & CO_FRAME_EXT) != 0;
+    struct co_set all = self->managers;
+
+    for (size_t i = 0; !ext && i < sizeof all.bits / sizeof all.bits[0]; i++)
+        all.bits[i] |= hearers->bits[i];
+    CO_SET_EACH(&all, i)
+    {
         struct co_frame copy = *frame;
 
-        if (!device->active || device->unplugged)
-            continue;
         copy.flags = (uint8_t)(copy.flags & ~CO_FRAME_OWN);
-        if (i == sender)
+        if ((int)i == sender)
             copy.flags |= CO_FRAME_OWN;
-        if (device->manager)
-            manager_on_frame(device->manager, &copy, self->now, &device->box);
-        else if (device->slave)
-            slave_on_frame(device->slave, &copy, self->now, &device->box);
-        take_events(self, device);
+        hear(self, &self->devices[i], copy);
     }
 }
 
@@ -141,95 +198,126 @@ static void end_frame(struct sim *self)
         confirm(self, &frame, sender);
 }
 
-static bool wants_to_send(const struct sim *self, const struct sim_device *device)
-{
-    return device->active && device->box.frame_count > 0 && device->hold_until <= self->now;
-}
-
 static uint32_t next_id(const struct sim_device *device)
 {
     return device->box.frames[device->box.frame_first].id;
 }
 
-/* The lowest CAN-ID of those that want to send wins. */
+/* Of those that want to send the one with the lowest CAN-ID; NULL: nobody does. */
+static struct sim_device *find_winner(struct sim *self)
+{
+    struct sim_device *winner = NULL;
+
+    CO_SET_EACH(&self->waiting, i)
+    {
+        struct sim_device *device = &self->devices[i];
+
+        if (device->unplugged) {
+            lose_frames(device);
+            sim_touch(self, device);
+        } else if (device->active && device->hold_until <= self->now &&
+                   (!winner || next_id(device) < next_id(winner))) {
+            winner = device;
+        }
+    }
+    return winner;
+}
+
 static void begin_frame(struct sim *self)
 {
-    int winner = -1;
+    struct sim_device *winner = find_winner(self);
 
-    for (int i = 0; i < (int)self->device_count; i++) {
-        if (self->devices[i].unplugged)
-            lose_frames(&self->devices[i]);
-        if (!wants_to_send(self, &self->devices[i]))
-            continue;
-        if (winner < 0 || next_id(&self->devices[i]) < next_id(&self->devices[winner]))
-            winner = i;
-    }
-    if (winner < 0)
+    if (!winner)
         return;
-    co_outbox_take_frame(&self->devices[winner].box, &self->on_wire);
-    self->sending = winner;
+    co_outbox_take_frame(&winner->box, &self->on_wire);
+    sim_touch(self, winner);
+    self->sending = (int)number_of(self, winner);
     self->wire_free = self->now + sim_frame_time(self, &self->on_wire);
     self->busy += self->wire_free - self->now;
 }
 
-static co_us_t device_deadline(const struct sim_device *device)
+static void touch_managers(struct sim *self)
 {
-    if (!device->active || (!device->manager && !device->slave))
-        return CO_NEVER;
-    return device->manager ? manager_deadline(device->manager) : slave_deadline(device->slave);
+    CO_SET_EACH(&self->managers, i)
+    sim_touch(self, &self->devices[i]);
 }
 
 static void run_timers(struct sim *self)
 {
-    for (unsigned i = 0; i < self->device_count; i++) {
+    for (unsigned i = co_deadlines_due(&self->deadlines, 0, self->now); i < self->device_count;
+         i = co_deadlines_due(&self->deadlines, i + 1, self->now)) {
         struct sim_device *device = &self->devices[i];
 
-        if (device_deadline(device) > self->now)
-            continue;
         if (device->manager)
             manager_on_time(device->manager, self->now, &device->box);
         else
             slave_on_time(device->slave, self->now, &device->box);
         take_events(self, device);
+        sim_touch(self, device);
     }
 }
 
-/* A device whose outbox waits for the wire can do what is due only then. */
-static co_us_t next_time_of(const struct sim *self, const struct sim_device *device)
+/* When a device that is still due can go on: its outbox waits for the wire, or is held. */
+static co_us_t next_time_of_stuck(const struct sim *self, const struct sim_device *device)
 {
-    co_us_t deadline = device_deadline(device);
     bool waits = device->active && device->box.frame_count > 0;
 
     if (waits && device->hold_until > self->now)
-        return deadline > self->now ? co_earlier(deadline, device->hold_until) : device->hold_until;
-    if (waits && self->sending >= 0 && deadline <= self->now)
-        return self->wire_free;
-    return deadline;
+        return device->hold_until;
+    return waits && self->sending >= 0 ? self->wire_free : self->now;
+}
+
+static co_us_t next_time_of(const struct sim *self, const struct sim_device *device)
+{
+    co_us_t deadline = device_deadline(device);
+    bool held = device->active && device->box.frame_count > 0 && device->hold_until > self->now;
+
+    if (deadline <= self->now)
+        return next_time_of_stuck(self, device);
+    return held ? co_earlier(deadline, device->hold_until) : deadline;
 }
 
 static co_us_t next_time(const struct sim *self)
 {
     co_us_t next = self->sending >= 0 ? self->wire_free : CO_NEVER;
+    co_us_t first = co_deadlines_first(&self->deadlines);
 
+    if (first > self->now) { /* most often: nobody is stuck */
+        next = co_earlier(next, first);
+        CO_SET_EACH(&self->waiting, i)
+        if (self->devices[i].hold_until > self->now)
+            next = co_earlier(next, self->devices[i].hold_until);
+        return next;
+    }
     for (unsigned i = 0; i < self->device_count; i++)
         next = co_earlier(next, next_time_of(self, &self->devices[i]));
     return next > self->now ? next : self->now;
+}
+
+static void step(struct sim *self)
+{
+    self->steps++;
+    if (self->sending >= 0 && self->now >= self->wire_free)
+        end_frame(self);
+    touch_managers(self);
+    run_timers(self);
+    if (self->sending < 0)
+        begin_frame(self);
+    if (self->on_step)
+        self->on_step(self->context);
+    touch_managers(self);
 }
 
 void sim_run(struct sim *self, co_us_t until)
 {
     unsigned stuck = 0;
 
+    for (unsigned i = 0; i < self->device_count; i++)
+        sim_touch(self, &self->devices[i]);
     for (;;) {
         co_us_t next;
 
-        if (self->sending >= 0 && self->now >= self->wire_free)
-            end_frame(self);
-        run_timers(self);
-        if (self->sending < 0)
-            begin_frame(self);
-        if (self->on_step)
-            self->on_step(self->context);
+        step(self);
         next = next_time(self);
         if (next > until)
             break;
@@ -267,6 +355,7 @@ void sim_say(struct sim *self, const char *text)
         self->foreign->active = true;
     }
     co_outbox_put_frame(&self->foreign->box, &frame);
+    sim_touch(self, self->foreign);
 }
 
 struct co_outbox *sim_box(struct sim *self, struct sim_device *device)

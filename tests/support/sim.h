@@ -10,11 +10,14 @@
 #ifndef TEST_SUPPORT_SIM_H
 #define TEST_SUPPORT_SIM_H
 
+#include "base/deadlines.h"
+#include "base/set.h"
 #include "manager/manager.h"
 #include "slave/slave.h"
 
 #define SIM_DEVICES 128u
 #define SIM_BOX     512u
+#define SIM_IDS     2048u /* CAN-IDs of 11 bits */
 
 /* What becomes of a frame on the wire. */
 enum sim_fate {
@@ -30,6 +33,7 @@ struct sim_device {
     struct manager *manager;
     uint8_t node;
     co_us_t hold_until; /* sends nothing before */
+    unsigned listens;   /* slave.listen_generation for which sim.hearers has it */
     struct co_outbox box;
     struct co_frame frames[SIM_BOX];
     struct co_event events[SIM_BOX];
@@ -43,12 +47,19 @@ struct sim_line {
 
 struct sim {
     co_us_t now;
+    unsigned long steps;
     unsigned bitrate; /* bit/s; 0: frames take no time */
     struct sim_device devices[SIM_DEVICES];
     unsigned device_count;
-    unsigned box_size;          /* of devices added from now on, at most SIM_BOX */
-    struct sim_device *foreign; /* who says what sim_say() says */
-    int sending;                /* device whose frame is on the wire, -1: idle */
+    /* By the number of a device, as far as sim_touch() knows. A frame reaches only those that it
+     * concerns: that is the simulation's speed. */
+    struct co_deadlines deadlines;
+    struct co_set waiting;          /* have something to send */
+    struct co_set hearers[SIM_IDS]; /* want to hear frames with this CAN-ID */
+    struct co_set managers;         /* want to hear all */
+    unsigned box_size;              /* of devices added from now on, at most SIM_BOX */
+    struct sim_device *foreign;     /* who says what sim_say() says */
+    int sending;                    /* device whose frame is on the wire, -1: idle */
     struct co_frame on_wire;
     co_us_t wire_free; /* end of the frame on the wire */
     co_us_t busy;      /* time the wire was busy */
@@ -68,6 +79,8 @@ struct sim_device *sim_add_slave(struct sim *self, struct slave *slave);
 struct sim_device *sim_add_manager(struct sim *self, struct manager *manager);
 void sim_power(struct sim *self, struct sim_device *device, bool on);
 void sim_run(struct sim *self, co_us_t until);
+/* Something was done to a slave within a callback; between runs, and to managers, it may be. */
+void sim_touch(struct sim *self, struct sim_device *device);
 /* Delivers a frame as from a foreign device, at once. */
 void sim_inject(struct sim *self, const char *frame);
 /* The same, but it waits for the wire like any other; for use within fault(). */

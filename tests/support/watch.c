@@ -127,7 +127,7 @@ static void on_delivered(struct plant *plant, const struct co_frame *frame, uint
     if (sender == plant->config->manager_node_id && frame->id == NMT_CAN_ID &&
         frame->data[0] == NMT_START)
         check_start(plant, frame->data[1]);
-    for (unsigned id = 1; id <= NETWORK_NODE_MAX; id++)
+    for (unsigned id = 1; frame->id == NMT_CAN_ID && id <= NETWORK_NODE_MAX; id++)
         if (plant->devices[id] && nmt_command_for(frame, (uint8_t)id, &command) &&
             (command == NMT_RESET_NODE || command == NMT_RESET_COMMUNICATION))
             plant->devices[id]->overtaken = false;

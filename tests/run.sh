@@ -8,7 +8,8 @@
 #
 # Missing packages are installed with apt-get; MCANOPEN_INSTALL=no leaves the system alone.
 # CI=true makes warnings errors. Logs of all lanes: build/logs. The last line is the sum of all
-# tests, "N passed, N failed"; the exit code is 0 only when none failed.
+# tests, "N passed, N failed"; the exit code is 0 only when none failed. A lane whose tests pass and
+# leave files in TMPDIR has failed.
 set -u
 
 cd "$(dirname "$0")/.." || exit 1
@@ -37,6 +38,20 @@ counts_of()
     sed -n 's/^\([0-9][0-9]*\) passed, \([0-9][0-9]*\) failed$/\1 \2/p' "$1" | tail -n 1
 }
 
+# in_own_folder NAME COMMAND...: TMPDIR is a folder of the lane's own, which is to be left empty
+in_own_folder()
+{
+    TMPDIR=$temporary/$1
+    export TMPDIR
+    shift
+    mkdir -p "$TMPDIR"
+    ("$@")
+    status=$?
+    [ $status -eq 0 ] || return $status
+    find "$TMPDIR" -mindepth 1 -maxdepth 1 | sed 's/^/left behind: /' | grep . && return 1
+    return 0
+}
+
 # lane NAME COMMAND...: runs it, shows the log when it fails
 lane()
 {
@@ -45,7 +60,7 @@ lane()
     wanted "$name" || return 0
     log=$logs/$name.log
     start=$(date +%s)
-    ("$@") >"$log" 2>&1 </dev/null
+    (in_own_folder "$name" "$@") >"$log" 2>&1 </dev/null
     status=$?
     seconds=$(($(date +%s) - start))
     counts=$(counts_of "$log")
@@ -115,6 +130,7 @@ missing_packages()
 
 install_packages()
 {
+    unset TMPDIR # apt-get has other users
     DEBIAN_FRONTEND=noninteractive
     export DEBIAN_FRONTEND
     as_root apt-get update -q || echo "apt-get update failed; trying with the old lists"
@@ -379,6 +395,9 @@ esac
 begin=$(date +%s)
 mkdir -p "$logs"
 : >"$sums"
+temporary=$(mktemp -d "${TMPDIR:-/tmp}/mcanopen-tests.XXXXXX") || exit 1
+chmod 755 "$temporary"
+trap 'rm -rf "$temporary"' EXIT
 run_lanes
 echo "all lanes: $(($(date +%s) - begin)) s, logs in build/logs"
 awk '{ good += $1; bad += $2 }

@@ -26,7 +26,7 @@ static void tear_down(void)
 static void expect_text(const char *expected)
 {
     const char *from = mcanOpenGetErrorText();
-    char text[600] = "", line[620];
+    char text[600] = "", line[2000];
     size_t folder = strlen(plant->folder);
 
     while (*from) {

@@ -10,11 +10,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static char folder[40];
+static char folder[SUITE_PATH_SIZE];
 
 static void set_up(void)
 {
-    snprintf(folder, sizeof folder, "/tmp/mcanopen-file-XXXXXX");
+    suite_temporary("file", folder);
     ck_assert_ptr_nonnull(mkdtemp(folder));
     ck_assert_int_eq(chdir(folder), 0);
 }

@@ -75,7 +75,7 @@ int __wrap_rename(const char *from, const char *to)
 #define NEW   "what is new"
 #define CALLS 8 /* of one replacement: t www s r s, and none more */
 
-static char folder[40];
+static char folder[SUITE_PATH_SIZE];
 
 static void put(const char *name, const char *text)
 {
@@ -88,7 +88,7 @@ static void put(const char *name, const char *text)
 
 static void set_up(void)
 {
-    snprintf(folder, sizeof folder, "/tmp/mcanopen-draft-XXXXXX");
+    suite_temporary("draft", folder);
     ck_assert_ptr_nonnull(mkdtemp(folder));
     ck_assert_int_eq(chdir(folder), 0);
     countdown = 0;

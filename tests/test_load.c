@@ -20,14 +20,14 @@
     OBJECT("2000", VAR("2000", "5", "rw") "ParameterValue=" value "\n"                             \
                                           "[DeviceComissioning]\nBaudrate=500\nNodeID=5\n")
 
-static char folder[40];
+static char folder[SUITE_PATH_SIZE];
 static struct messages messages;
 static struct network_config *networks;
 static size_t count;
 
 static void set_up(void)
 {
-    snprintf(folder, sizeof folder, "/tmp/mcanopen-load-XXXXXX");
+    suite_temporary("load", folder);
     ck_assert_ptr_nonnull(mkdtemp(folder));
     ck_assert_int_eq(chdir(folder), 0);
     messages_init(&messages);

@@ -25,7 +25,7 @@
 
 static struct scan_plant *plant;
 static HNODE node;
-static char folder[40];
+static char folder[SUITE_PATH_SIZE];
 static uint8_t memory[MOST], sent[MOST + 40];
 
 static void make_domain(unsigned size, unsigned room, PFN_COS_DATA_HANDLER handler)
@@ -41,7 +41,7 @@ static void set_up(void)
 {
     SLAVE_NODE_INFO info = scan_info();
 
-    snprintf(folder, sizeof folder, "/tmp/mcanopen-domain-XXXXXX");
+    suite_temporary("domain", folder);
     ck_assert_ptr_nonnull(mkdtemp(folder));
     ck_assert_int_eq(chdir(folder), 0);
     info.ulOptions |= BLOCK_TRANSFER;

@@ -26,7 +26,7 @@
 
 static struct scan_plant *plant;
 static HNODE node;
-static char folder[40];
+static char folder[SUITE_PATH_SIZE];
 static uint8_t memory[10], sent[MOST + 40];
 
 static void put_file(const char *name, const void *bytes, size_t size)
@@ -53,7 +53,7 @@ static void set_up(void)
 {
     SLAVE_NODE_INFO info = scan_info();
 
-    snprintf(folder, sizeof folder, "/tmp/mcanopen-domain-XXXXXX");
+    suite_temporary("domain", folder);
     ck_assert_ptr_nonnull(mkdtemp(folder));
     ck_assert_int_eq(chdir(folder), 0);
     info.ulOptions |= BLOCK_TRANSFER;

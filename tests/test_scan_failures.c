@@ -59,7 +59,7 @@ int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes,
 
 static struct scan_plant *plant;
 static HNODE node, other;
-static char store[40];
+static char store[SUITE_PATH_SIZE];
 
 /* All is there but what the call makes: network 1, a second node, an object, a file, a PDO. */
 static void set_up(void)
@@ -75,7 +75,7 @@ static void set_up(void)
     ck_assert_int_eq(canOpenExtendDictionary(node, 0x2002, 0, OBJ_VAR, MAP_DOMAIN), SCANOPEN_OK);
     ck_assert_int_eq(canOpenInitDictionary(node, 0x2002, 0, NULL, READ_ACCESS, &nothing, NULL),
                      SCANOPEN_OK);
-    snprintf(store, sizeof store, "/tmp/mcanopen-failures-XXXXXX");
+    suite_temporary("failures", store);
     file = fdopen(mkstemp(store), "w");
     fwrite("\1\0\0\0\5\x10\0\4\0\0\0\x81\0\0\0", 1, 15, file); /* 1005h */
     fclose(file);

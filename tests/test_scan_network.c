@@ -169,8 +169,8 @@ END_TEST
 /* Network 0 on the bus that the environment names; the manager is node 127. */
 static int configure_manager(unsigned bitrate)
 {
-    char path[] = "/tmp/mcanopen-scan-XXXXXX";
-    int file = mkstemp(path), result;
+    char path[SUITE_PATH_SIZE];
+    int file, result;
     char text[600];
     int length = snprintf(text, sizeof text,
                           "<CANopen_Manager><Manager_Instance><Net_No>0</Net_No>"
@@ -180,6 +180,8 @@ static int configure_manager(unsigned bitrate)
                           "</Manager_Instance></CANopen_Manager>\n",
                           bitrate);
 
+    suite_temporary("scan", path);
+    file = mkstemp(path);
     ck_assert_int_ge(file, 0);
     ck_assert_int_eq(write(file, text, (size_t)length), length);
     ck_assert_int_eq(close(file), 0);

@@ -242,9 +242,11 @@ START_TEST(servers_of_a_file)
 {
     static const char text[] = FILE_INFO DEVICE_INFO LISTS
         "[OptionalObjects]\nSupportedObjects=1\n1=0x1203\n" MANDATORY SERVER;
-    char name[] = "/tmp/mcanopen-servers-XXXXXX";
-    const int file = mkstemp(name);
+    char name[SUITE_PATH_SIZE];
+    int file;
 
+    suite_temporary("servers", name);
+    file = mkstemp(name);
     ck_assert_int_ge(file, 0);
     ck_assert_int_eq(write(file, text, sizeof text - 1), (ssize_t)sizeof text - 1);
     close(file);

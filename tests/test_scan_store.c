@@ -246,7 +246,7 @@ END_TEST
 
 START_TEST(another_file_and_none)
 {
-    char other[70];
+    char other[SUITE_PATH_SIZE + 16];
 
     snprintf(other, sizeof other, "%s/other", store_folder);
     store_start();
@@ -309,7 +309,7 @@ static void start_from_file(const char *eds)
 
 START_TEST(a_node_from_a_file)
 {
-    char eds[70];
+    char eds[SUITE_PATH_SIZE + 16];
     FILE *file;
 
     snprintf(eds, sizeof eds, "%s/node.eds", store_folder);
@@ -359,7 +359,7 @@ static const struct {
 
 START_TEST(what_does_not_fit)
 {
-    char message[200];
+    char message[SUITE_PATH_SIZE + 200];
 
     write_file(bad_files[_i].bytes, bad_files[_i].size);
     snprintf(message, sizeof message, "%s%s", store_path, bad_files[_i].message);
@@ -381,7 +381,7 @@ END_TEST
 
 static void expect_failure(const char *reason)
 {
-    char message[200];
+    char message[SUITE_PATH_SIZE + 200];
 
     snprintf(message, sizeof message, "%s: error: the parameters of node 5 could not be stored: %s",
              store_path, reason);

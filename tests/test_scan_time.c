@@ -217,10 +217,12 @@ START_TEST(a_node_from_a_file)
 {
     const CAN_TIME_OF_DAY now = { .ulMs = 1, .usDays = 2 };
     const SLAVE_NODE_INFO info = { .ulEventMask = EV_TIME };
-    char path[] = "/tmp/mcanopen-time-XXXXXX";
-    FILE *file = fdopen(mkstemp(path), "w");
+    char path[SUITE_PATH_SIZE];
     HNODE node = NULL;
+    FILE *file;
 
+    suite_temporary("time", path);
+    file = fdopen(mkstemp(path), "w");
     fputs(TIME_EDS, file);
     fclose(file);
     ck_assert_int_eq(canOpenCreateNodeFromFile(0, 5, scan_on_event, path, &info, &node),

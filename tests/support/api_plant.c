@@ -42,7 +42,7 @@ struct api_plant *api_plant_new(void)
 
     ck_assert_ptr_nonnull(self);
     snprintf(self->bus, sizeof self->bus, "virtual:api-%d-%u", (int)getpid(), number++);
-    snprintf(self->folder, sizeof self->folder, "/tmp/mcanopen-api-XXXXXX");
+    suite_temporary("api", self->folder);
     ck_assert_ptr_nonnull(mkdtemp(self->folder));
     ck_assert_int_eq(lock_init(&self->lock), CO_OK);
     ck_assert_int_eq(condition_init(&self->changed), CO_OK);
@@ -150,7 +150,7 @@ uint32_t api_get(struct api_plant *self, uint8_t node, uint16_t index, void *val
 
 const char *api_path(const struct api_plant *self, const char *name)
 {
-    static char paths[PATHS][200];
+    static char paths[PATHS][SUITE_PATH_SIZE + 64];
     static unsigned next;
     char *path = paths[next++ % PATHS];
 

@@ -9,6 +9,7 @@
 #include "mcanopen.h"
 #include "port/thread.h"
 #include "runtime/network.h"
+#include "support/suite.h"
 
 #include <check.h>
 
@@ -34,7 +35,7 @@ struct api_device {
 
 struct api_plant {
     char bus[40];
-    char folder[40];
+    char folder[SUITE_PATH_SIZE];
     struct network *network; /* of the devices */
     struct api_device devices[NMT_NODE_MAX + 1];
     struct co_lock lock; /* of the log */

@@ -12,7 +12,7 @@
 
 struct scan_plant *store_plant;
 HNODE store_node;
-char store_folder[40], store_path[60];
+char store_folder[SUITE_PATH_SIZE], store_path[SUITE_PATH_SIZE + 16];
 
 static pthread_mutex_t log_lock = PTHREAD_MUTEX_INITIALIZER;
 static char log_text[4000];
@@ -48,7 +48,7 @@ void store_log_clear(void)
 
 void store_make_folder(void)
 {
-    snprintf(store_folder, sizeof store_folder, "/tmp/mcanopen-store-XXXXXX");
+    suite_temporary("store", store_folder);
     ck_assert_ptr_nonnull(mkdtemp(store_folder));
     snprintf(store_path, sizeof store_path, "%s/node-5.ccf", store_folder);
     store_log_clear();

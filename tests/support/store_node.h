@@ -13,6 +13,7 @@
 #define TEST_SUPPORT_STORE_NODE_H
 
 #include "support/scan_plant.h"
+#include "support/suite.h"
 
 #define STORE_SAVE 0x65766173U
 #define STORE_LOAD 0x64616F6CU
@@ -26,7 +27,7 @@ void store_remove_folder(void);
 
 extern struct scan_plant *store_plant;
 extern HNODE store_node;
-extern char store_folder[40], store_path[60];
+extern char store_folder[SUITE_PATH_SIZE], store_path[SUITE_PATH_SIZE + 16];
 
 /* Some line since the beginning, or since it was cleared, has the text; "": any line. */
 bool store_log_has(const char *text);

@@ -1,8 +1,8 @@
 /*
  * Runs one test case as a test program.
  *
- * The program has a folder of its own for files, TMPDIR while it runs. It goes when the program ends,
- * whatever became of its tests; tests that pass and leave something in it have failed.
+ * The program has a folder of its own for files, TMPDIR while it runs. It goes when the program
+ * ends, whatever became of its tests; tests that pass and leave something in it have failed.
  */
 #ifndef TEST_SUPPORT_SUITE_H
 #define TEST_SUPPORT_SUITE_H

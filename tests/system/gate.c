@@ -1,7 +1,8 @@
 /*
- * gate A B FRAME: hands the frames of bus A to bus B and back. The first that begins like FRAME
- * stops at the gate: "at FRAME" on stdout, then it waits for a line on stdin and lets it pass. So a
- * test can do something while one device, alone on bus B, is at a certain step. Ended by a signal.
+ * gate A B FRAME [N]: hands the frames of bus A to bus B and back. The first, or the N-th, that
+ * begins like FRAME stops at the gate: "at FRAME" on stdout, then it waits for a line on stdin and
+ * lets it pass. So a test can do something while one device, alone on bus B, is at a certain step.
+ * Ended by a signal.
  */
 #include "port/bus.h"
 #include "port/thread.h"
@@ -16,14 +17,14 @@ struct way {
 };
 
 static const char *held;
-static atomic_bool passed;
+static atomic_int until_held = 1;
 
 static void hold(const struct co_frame *frame)
 {
     char text[CO_FRAME_TEXT_SIZE], line[16];
 
     co_frame_format(frame, text, sizeof text);
-    if (strncmp(text, held, strlen(held)) != 0 || atomic_exchange(&passed, true))
+    if (strncmp(text, held, strlen(held)) != 0 || atomic_fetch_sub(&until_held, 1) != 1)
         return;
     printf("at %s\n", text);
     fflush(stdout);
@@ -78,9 +79,11 @@ int main(int argc, char **argv)
     struct way to, back;
     struct co_thread thread;
 
-    if (argc != 4)
+    if (argc != 4 && argc != 5)
         return EXIT_FAILURE;
     held = argv[3];
+    if (argc == 5)
+        until_held = atoi(argv[4]);
     to = (struct way){ open_bus(argv[1]), open_bus(argv[2]) };
     back = (struct way){ to.to, to.from };
     if (thread_start(&thread, "back", run, &back) != CO_OK)

@@ -1,8 +1,8 @@
 """The real programs on a bus of the test's own: what all system tests share.
 
     MCANOPEN_TOOLS       folder of mcanopen, dcf2ccf (given by ctest)
-    MCANOPEN_TEST_BUS    a CAN interface in place of virtual buses; candump takes the log there
-    MCANOPEN_TEST_INNER_BUS  another such interface, for tests with a gate
+    MCANOPEN_TEST_BUS    a CAN interface in place of virtual buses; candump takes the log there.
+                         "new": vcans that are made for that
     MCANOPEN_TEST_WRAP   words before "mcanopen boot" and "mcanopen sim", as "valgrind -q ..."
     MCANOPEN_TEST_LIMIT  seconds that something awaited may take (60): only a failure takes them
     MCANOPEN_TEST_BRIEF  not empty: less of the same, for slow places
@@ -11,7 +11,10 @@
 Nothing here sleeps to be right: a test waits for lines of the programs' output, for frames, or for
 the end of a process.
 """
+import atexit
+import itertools
 import os
+import queue
 import shutil
 import signal
 import subprocess
@@ -28,9 +31,10 @@ DATA = HERE.parent / "data"
 TOOLS = Path(os.environ.get("MCANOPEN_TOOLS", ROOT / "build" / "debug" / "tools"))
 MCANOPEN = str(TOOLS / "mcanopen")
 GATE = str(TOOLS.parent / "tests" / "gate")
-INNER_BUS = "MCANOPEN_TEST_INNER_BUS"
+NEW = "new"
 WRAP = os.environ.get("MCANOPEN_TEST_WRAP", "").split()
 BRIEF = bool(os.environ.get("MCANOPEN_TEST_BRIEF"))
+SANITIZED = os.environ.get("MCANOPEN_TEST_SANITIZED")
 LIMIT = float(os.environ.get("MCANOPEN_TEST_LIMIT", "60"))
 RECEIVE_BUFFER = str(1 << 22)  # bytes, of candump: it may be slower than those it listens to
 CORPUS = Path(os.environ.get("TEST_CORPUS_DIR", ROOT.parent / "shared" / "corpus" / "open"))
@@ -133,16 +137,34 @@ class Process:
 class Bus:
     """A virtual bus of this test alone, or the interface that the environment names."""
 
-    made = 0
+    numbers = itertools.count(1)
+    idle = queue.SimpleQueue()  # interfaces made, for the next
 
-    def __init__(self, variable="MCANOPEN_TEST_BUS"):
-        Bus.made += 1
-        self.interface = os.environ.get(variable)
-        self.name = self.interface or f"virtual:system-{os.getpid()}-{Bus.made}"
+    def __init__(self):
+        number = next(Bus.numbers)
+        self.interface = os.environ.get("MCANOPEN_TEST_BUS")
+        self.is_new = self.interface == NEW
+        if self.is_new:
+            self.interface = self._take(number)
+        self.name = self.interface or f"virtual:system-{os.getpid()}-{number}"
+
+    @staticmethod
+    def _take(number):
+        try:
+            return Bus.idle.get_nowait()
+        except queue.Empty:
+            name = f"tcan{number}"
+        for words in (["add", name, "type", "vcan"], ["set", name, "up"]):
+            subprocess.run(["ip", "link", *words], check=True)
+        atexit.register(subprocess.run, ["ip", "link", "del", name], check=True)
+        return name
 
     def remove(self):
         """What is left where a process was killed."""
-        if not self.interface:
+        if self.is_new:
+            Bus.idle.put(self.interface)
+            self.is_new = False
+        elif not self.interface:
             name = f"mcanopen-{os.geteuid()}-{self.name.partition(':')[2]}"
             (Path("/dev/shm") / name).unlink(missing_ok=True)
 
@@ -152,20 +174,21 @@ class Dump:
 
     def __init__(self, test, bus):
         self.test, self.bus = test, bus
-        command = [MCANOPEN, "dump", bus.name]
         if bus.interface:
-            command = ["candump", "-L", "-r", RECEIVE_BUFFER, bus.name]
-        self.process = test.start(command)
-        if bus.interface:
-            self._await_receiver()
+            others = self._count_receivers()
+            self.process = test.start(["candump", "-L", "-r", RECEIVE_BUFFER, bus.name])
+            self._await_receiver(others)
         else:
+            self.process = test.start([MCANOPEN, "dump", bus.name])
             self.process.wait_for("listening on", self.process.err)
 
-    def _await_receiver(self):
+    def _count_receivers(self):
+        lines = Path("/proc/net/can/rcvlist_all").read_text(encoding="ascii").splitlines()
+        return sum(line.split()[:1] == [self.bus.interface] for line in lines)
+
+    def _await_receiver(self, others):
         deadline = time.monotonic() + LIMIT
-        receivers = Path("/proc/net/can/rcvlist_all")
-        while self.bus.interface not in receivers.read_text().split("(", 1)[-1].replace(
-                "any: no entry", ""):
+        while self._count_receivers() <= others:
             self.test.assertLess(time.monotonic(), deadline, "candump does not receive")
             time.sleep(0.01)
 
@@ -191,11 +214,11 @@ class Gate:
     what is alone on it is heard through the gate only.
     """
 
-    def __init__(self, test, frame):
-        self.inner = Bus(INNER_BUS)
-        self.process = test.start([GATE, test.bus.name, self.inner.name, frame],
-                                  stdin=subprocess.PIPE)
+    def __init__(self, test, frame, number=1):
+        self.inner = Bus()
         test.buses.append(self.inner)
+        self.process = test.start([GATE, test.bus.name, self.inner.name, frame, number],
+                                  stdin=subprocess.PIPE)
         self.process.wait_for("open")
 
     def wait(self):
@@ -211,19 +234,22 @@ class PlantTest(unittest.TestCase):
     """A test with a folder, a bus, and processes that end with it."""
 
     def setUp(self):
-        self.bus = Bus()
-        self.buses = [self.bus]
         self.folder = Path(tempfile.mkdtemp(prefix="mcanopen-system-"))
-        self.processes = []
-        self.addCleanup(self._clean_up)
+        self.addCleanup(shutil.rmtree, self.folder)
+        self.take_bus()
         print(f"  {self.id().split('.', 1)[-1]}: {self.shortDescription() or ''}", flush=True)
+
+    def take_bus(self):
+        self.processes, self.buses = [], []
+        self.addCleanup(self._clean_up)
+        self.bus = Bus()
+        self.buses.append(self.bus)
 
     def _clean_up(self):
         for process in self.processes:
             process.close()
         for bus in self.buses:
             bus.remove()
-        shutil.rmtree(self.folder)
 
     def write(self, name, text):
         path = self.folder / name
@@ -261,6 +287,21 @@ class PlantTest(unittest.TestCase):
 
     def assert_stopped(self, process, number=signal.SIGTERM):
         self.assertEqual(process.stop(number), 0, process.story())
+
+
+class Scene(PlantTest):
+    """One of several plants that a test has at once, in threads; its folder is that of the test."""
+
+    def __init__(self, test):
+        super().__init__("take_bus")
+        self.folder = test.folder
+
+    def __enter__(self):
+        self.take_bus()
+        return self
+
+    def __exit__(self, *failure):
+        self.doCleanups()
 
 
 class _Result(unittest.TextTestResult):

@@ -19,7 +19,6 @@ IMPATIENT = {"boot-up-missing": ["--boot-timeout", "200"], "nmt-reset": ["--boot
 ALL = None
 
 # Where programs are slow: it is the tester and the gate that are looked at.
-SANITIZED = os.environ.get("MCANOPEN_TEST_SANITIZED")
 FEW = {"sdo-toggle-unchecked", "pdo-receive-preoperational", "emcy-register", "guard-both"}
 
 # {defect: (families that are run, findings)}. More than one finding has a reason: checks that
@@ -196,7 +195,7 @@ class ConformDefects(plant.PlantTest):
         listed = self.run_command([plant.MCANOPEN, "sim", "--defect", "help"]).out.text()
         names = [line.split()[1] for line in listed.splitlines()]
         self.assertEqual(set(names), set(DEFECTS))
-        if plant.BRIEF or SANITIZED:
+        if plant.BRIEF or plant.SANITIZED:
             names = [name for name in names if name in FEW]
         with concurrent.futures.ThreadPoolExecutor(AT_ONCE) as pool:
             # those that take longest first

@@ -154,7 +154,8 @@ run_uml()
     chmod +x "$1/init"
     # Its memory is a file in TMPDIR, where that is set, and in memory else.
     on_one_cpu env -u TMPDIR timeout -k 5 900 linux.uml mem=512M root=/dev/root \
-        rootfstype=hostfs rootflags=/ rw quiet "init=$1/init" con=null con0=fd:0,fd:1 >"$1/console" 2>&1 </dev/null
+        rootfstype=hostfs rootflags=/ rw quiet "init=$1/init" con=null con0=fd:0,fd:1 \
+        >"$1/console" 2>&1 </dev/null
 }
 
 # cases_of LOG STATUS: "GOOD BAD" by the summaries of Check in it; without one it is one test

@@ -433,7 +433,7 @@ START_TEST(the_managers_own_dictionary_answers)
     api_wire_wait(wire, "67F#A300", 1);
     ck_assert_int_eq(mcanOpenReadSDO(0, 127, 0x5000, 0, buffer, &len, &error), MCAL_ABORT_DOMAIN);
     expect_error(&error, 0x06020000);
-    ck_assert_int_eq(mcanOpenWriteSDO(0, 127, 0x1017, 0, TYP_UINT16, "\x64\x00", 0, &error),
+    ck_assert_int_eq(mcanOpenWriteSDO(0, 127, 0x1001, 0, TYP_UINT8, "\x64", 0, &error),
                      MCAL_ABORT_DOMAIN);
     expect_error(&error, 0x06010002);
 }

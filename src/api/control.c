@@ -88,6 +88,19 @@ bool control_bus_text(const struct network *network, const struct co_event *even
     }
 }
 
+/* Other tools may change the configuration, with the names in it, while it is read. */
+static bool manager_text(const struct log_event *line, enum co_severity *ret_severity, char *text,
+                         size_t size)
+{
+    struct network *network = line->managed->network;
+    bool is_news;
+
+    network_hold(network);
+    is_news = boot_text_event(line->managed->config, &line->event, ret_severity, text, size);
+    network_release(network);
+    return is_news;
+}
+
 static void log_line(const struct log_event *line)
 {
     const struct managed *managed = line->managed;
@@ -95,7 +108,7 @@ static void log_line(const struct log_event *line)
     enum co_severity severity = CO_WARNING;
 
     if (!control_bus_text(managed->network, &line->event, text, sizeof text) &&
-        !boot_text_event(managed->config, &line->event, &severity, text, sizeof text))
+        !manager_text(line, &severity, text, sizeof text))
         return;
     snprintf(full, sizeof full, "%s%s%s",
              managed->registry->network_count > 1 ? network_name(managed->network) : "",

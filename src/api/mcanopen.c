@@ -97,7 +97,7 @@ static int open_bus(struct managed *self, struct co_report *report)
     return error_of_bus(err);
 }
 
-static int open_managed(struct managed *self, const struct network_config *config,
+static int open_managed(struct managed *self, struct network_config *config,
                         struct co_report *report)
 {
     struct manager *manager = calloc(1, sizeof *manager);

@@ -27,6 +27,7 @@ static int check(const struct call *call)
     return MCANOPEN_OK;
 }
 
+/* Under the network's lock, as block_size(): other tools may change the configuration. */
 static co_us_t timeout_of(const struct managed *managed, int node, co_us_t otherwise)
 {
     const struct node_config *config = network_config_node(managed->config, (uint8_t)node);
@@ -55,7 +56,8 @@ static int wait_for_end(struct managed *managed, struct sdo_request *request)
 }
 
 /* Waits in the queue of the node's channel and for its end; no time-out but the protocol's own. */
-static int transfer(struct managed *managed, const struct call *call, struct sdo_request *request)
+static int transfer(struct managed *managed, const struct call *call, struct sdo_request *request,
+                    co_us_t timeout)
 {
     uint8_t node = (uint8_t)call->node;
     struct co_outbox *out;
@@ -63,6 +65,9 @@ static int transfer(struct managed *managed, const struct call *call, struct sdo
     int result;
 
     out = network_enter(managed->network, &now);
+    if (call->block)
+        request->transfer.block = block_size(managed, call->node);
+    request->transfer.timeout = timeout_of(managed, call->node, timeout);
     manager_submit(managed->manager, node, request, now, out);
     result = wait_for_end(managed, request);
     if (request->state != REQUEST_DONE) { /* time has passed: anew, for it to be right */
@@ -85,10 +90,7 @@ static int run(const struct call *call, struct sdo_request *request, co_us_t tim
         return result;
     request->transfer.index = (uint16_t)call->index;
     request->transfer.sub = (uint8_t)call->sub;
-    if (call->block)
-        request->transfer.block = block_size(managed, call->node);
-    request->transfer.timeout = timeout_of(managed, call->node, timeout);
-    result = transfer(managed, call, request);
+    result = transfer(managed, call, request, timeout);
     registry_leave();
     return result;
 }

@@ -12,7 +12,7 @@ static void put_event(struct manager *self, struct co_event event)
 
 /* --- begin: reset all, wait, boot each --- */
 
-static void take_request_back(struct manager *self, struct boot_node *node, co_us_t now)
+void boot_network_take_back(struct manager *self, struct boot_node *node, co_us_t now)
 {
     node->request_due = false;
     if (node->request.state == REQUEST_QUEUED || node->request.state == REQUEST_RUNNING)
@@ -23,7 +23,7 @@ static void take_request_back(struct manager *self, struct boot_node *node, co_u
 static void forget_nodes(struct manager *self, co_us_t now)
 {
     FOR_EACH_NODE(self, node) {
-        take_request_back(self, node, now);
+        boot_network_take_back(self, node, now);
         boot_node_stop(node);
     }
     self->up_told = false;
@@ -38,9 +38,21 @@ void boot_network_suspend(struct manager *self, co_us_t now)
         self->state = NETWORK_OFF;
 }
 
+static void take_rules(struct manager *self)
+{
+    const struct network_config *config = self->config;
+
+    self->rules = (struct boot_rules){ .start_all = config->start_all,
+                                       .auto_operational = config->auto_operational,
+                                       .auto_start = config->auto_start,
+                                       .action_on_error = config->action_on_error,
+                                       .boot_time = config->boot_time };
+}
+
 /* each: one command for each node that may be reset, none for all. */
 static void begin(struct manager *self, enum nmt_command command, bool each, co_us_t now)
 {
+    take_rules(self);
     forget_nodes(self, now);
     FOR_EACH_NODE(self, node)
         node->reset_due = each && boot_node_is_booted_by_master(node) &&
@@ -83,8 +95,8 @@ static void boot_all(struct manager *self, co_us_t now)
 {
     self->state = NETWORK_BOOTING;
     self->deadline = CO_NEVER;
-    if (self->config->boot_time != 0)
-        self->boot_limit = now + CO_MS(self->config->boot_time);
+    if (self->rules.boot_time != 0)
+        self->boot_limit = now + CO_MS(self->rules.boot_time);
     self->reminder_interval = FIRST_REMINDER;
     self->reminder = now + FIRST_REMINDER;
     FOR_EACH_NODE(self, node) {
@@ -104,7 +116,7 @@ static void submit(struct manager *self, struct boot_node *node, co_us_t now)
 void boot_network_reboot(struct manager *self, struct boot_node *node, co_us_t now)
 {
     manager_touch(self, node->config->node_id);
-    take_request_back(self, node, now);
+    boot_network_take_back(self, node, now);
     boot_node_begin(node, now, &self->inner);
     submit(self, node, now);
 }
@@ -112,7 +124,7 @@ void boot_network_reboot(struct manager *self, struct boot_node *node, co_us_t n
 void boot_network_go_on_updating(struct manager *self, struct boot_node *node, co_us_t now)
 {
     manager_touch(self, node->config->node_id);
-    take_request_back(self, node, now);
+    boot_network_take_back(self, node, now);
     software_on_boot_up(node, now, &self->inner);
     submit(self, node, now);
 }
@@ -121,7 +133,7 @@ void boot_network_reset_node(struct manager *self, struct boot_node *node, enum 
                              co_us_t now)
 {
     manager_touch(self, node->config->node_id);
-    take_request_back(self, node, now);
+    boot_network_take_back(self, node, now);
     boot_node_reset(node, command, now, &self->inner);
 }
 
@@ -195,9 +207,9 @@ void boot_network_operate(struct manager *self, co_us_t now)
 void boot_network_go(struct manager *self, co_us_t now)
 {
     boot_network_operate(self, now);
-    if (!self->config->auto_start)
+    if (!self->rules.auto_start)
         return;
-    if (self->config->start_all && all_may_be_started(self))
+    if (self->rules.start_all && all_may_be_started(self))
         self->start_all_due = true;
     else
         boot_network_start_each(self, now);
@@ -220,7 +232,7 @@ static void halt(struct manager *self, bool time_over)
     put_event(self, (struct co_event){ .type = MANAGER_HALTED,
                                        .node = first_missing(self),
                                        .actual = self->roll.missing,
-                                       .expected = time_over ? self->config->boot_time : 0 });
+                                       .expected = time_over ? self->rules.boot_time : 0 });
 }
 
 /* Who waits for a plant to start wants to know for whom it waits. */
@@ -246,7 +258,7 @@ static void check_booting(struct manager *self, co_us_t now)
     if (roll->missing == 0)
         self->boot_limit = CO_NEVER; /* kept: the limit is for mandatory nodes */
     if (roll->missing == 0 && roll->in_progress == 0) {
-        if (self->config->auto_operational)
+        if (self->rules.auto_operational)
             boot_network_go(self, now);
         else
             self->state = NETWORK_WAITING;
@@ -261,14 +273,14 @@ static void check_booting(struct manager *self, co_us_t now)
 /* A node that boots after the others. */
 static void start_late_node(struct manager *self, struct boot_node *node, co_us_t now)
 {
-    if (self->config->auto_start && !self->start_all_due && may_be_started(node) &&
+    if (self->rules.auto_start && !self->start_all_due && may_be_started(node) &&
         !node->start_due && !node->held)
         boot_node_start(node, now, &self->inner);
 }
 
 bool boot_network_is_node_up(const struct manager *self, const struct boot_node *node)
 {
-    bool started_by_master = self->config->auto_operational && self->config->auto_start &&
+    bool started_by_master = self->rules.auto_operational && self->rules.auto_start &&
                              node->config->auto_start_slave;
 
     if (!boot_node_is_booted_by_master(node))
@@ -278,16 +290,18 @@ bool boot_network_is_node_up(const struct manager *self, const struct boot_node 
 
 static void tell_up(struct manager *self)
 {
-    unsigned booted = 0;
+    unsigned booted = 0, listed = 0;
 
     if (self->up_told || self->roll.down > 0 || !manager_is_up(self, false))
         return;
     LOOK_AT_EACH_NODE(self, node)
-    booted += node->booted;
+    {
+        booted += node->booted;
+        listed += node->config->nmt_slave;
+    }
     self->up_told = true;
-    put_event(self, (struct co_event){ .type = MANAGER_NETWORK_UP,
-                                       .actual = booted,
-                                       .expected = self->config->node_count });
+    put_event(self, (struct co_event){
+                        .type = MANAGER_NETWORK_UP, .actual = booted, .expected = listed });
 }
 
 static void look_at_touched(struct manager *self, co_us_t now)

@@ -59,7 +59,9 @@ void boot_network_on_boot_up(struct manager *self, co_us_t now);
 void boot_network_on_time(struct manager *self, co_us_t now);
 co_us_t boot_network_deadline(const struct manager *self);
 
-/* Takes the boot request of a node back and begins its boot anew, with or without a reset. */
+/* Takes the boot request of a node back: its boot stands still. */
+void boot_network_take_back(struct manager *self, struct boot_node *node, co_us_t now);
+/* The same, and begins its boot anew, with or without a reset. */
 void boot_network_reboot(struct manager *self, struct boot_node *node, co_us_t now);
 /* In the middle of a software update, which goes on. */
 void boot_network_go_on_updating(struct manager *self, struct boot_node *node, co_us_t now);

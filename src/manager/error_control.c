@@ -59,16 +59,19 @@ void error_control_on_frame(struct manager *self, const struct co_frame *frame, 
         boot_node_on_error_control(node, frame, now, &self->inner);
 }
 
-static bool is_guarded(const struct node_config *config)
+/* As it is supervised, which a changed configuration does not change before its next boot. */
+static bool is_guarded(const struct boot_node *node)
 {
-    return config->consumer_heartbeat_time == 0;
+    return node->supervision.heartbeat.period == 0;
 }
 
 /* ms until a node counts as lost */
-static unsigned silence_of(const struct node_config *config)
+static uint64_t silence_of(const struct boot_node *node)
 {
-    return is_guarded(config) ? (unsigned)config->guard_time * config->life_time_factor
-                              : config->consumer_heartbeat_time;
+    const struct supervision *supervision = &node->supervision;
+
+    return (is_guarded(node) ? supervision->guard.life_time : supervision->heartbeat.period) /
+           CO_MS(1);
 }
 
 /*
@@ -78,15 +81,15 @@ static unsigned silence_of(const struct node_config *config)
 void error_control_on_lost(struct manager *self, uint8_t node_id, co_us_t now)
 {
     struct boot_node *node = &self->nodes[node_id];
-    enum action_on_error action = self->config->action_on_error;
+    enum action_on_error action = self->rules.action_on_error;
 
     if (node->step == BOOT_FAILED || boot_node_on_silence(node, now, &self->inner))
         return; /* it was not in operation */
     put_event(self, (struct co_event){ .type = MANAGER_NODE_LOST,
                                        .node = node_id,
                                        .detail = node->nmt_state,
-                                       .expected = silence_of(node->config),
-                                       .actual = is_guarded(node->config) });
+                                       .expected = silence_of(node),
+                                       .actual = is_guarded(node) });
     node->nmt_state = NMT_INITIALISING;
     node->lost = true;
     if (node->config->mandatory && action == ACTION_STOP_ALL) {
@@ -109,8 +112,8 @@ void error_control_on_alive(struct manager *self, uint8_t node_id, co_us_t now)
         put_event(self, (struct co_event){ .type = MANAGER_NODE_BACK,
                                            .node = node_id,
                                            .detail = node->nmt_state,
-                                           .expected = silence_of(node->config),
-                                           .actual = is_guarded(node->config) });
+                                           .expected = silence_of(node),
+                                           .actual = is_guarded(node) });
     node->lost = false;
     boot_node_on_alive(node, now, &self->inner);
 }

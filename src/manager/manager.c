@@ -1,6 +1,7 @@
 #include "manager/manager.h"
 
 #include "manager/boot_network.h"
+#include "manager/config_write.h"
 #include "manager/manager_od.h"
 #include "manager/nmt_request.h"
 #include "proto/event.h"
@@ -13,7 +14,7 @@
  */
 #define EVENT_ROOM (MANAGER_INNER_EVENTS - 256u)
 
-enum co_err manager_init(struct manager *self, const struct network_config *config)
+enum co_err manager_init(struct manager *self, struct network_config *config)
 {
     enum co_err err;
 
@@ -89,8 +90,15 @@ static bool consume(struct manager *self, const struct co_event *event, co_us_t 
     case PROTO_GUARD_STATE: error_control_on_alive(self, event->node, now); return true;
     case PROTO_HB_LOST:
     case PROTO_GUARD_LOST: error_control_on_lost(self, event->node, now); return true;
-    case SLAVE_VERDICT: nmt_request_on_write(self, event, now); return true;
-    case SLAVE_WRITTEN: return event->index == REQUEST_NMT; /* MANAGER_NMT_REQUEST tells that */
+    case SLAVE_VERDICT:
+        if (event->index == REQUEST_NMT)
+            nmt_request_on_write(self, event, now);
+        else
+            config_write_on_verdict(self, event, now);
+        return true;
+    case SLAVE_WRITTEN:
+        config_write_on_written(self, event);
+        return event->index == REQUEST_NMT; /* MANAGER_NMT_REQUEST tells that */
     case MANAGER_NODE_ID_TAKEN:
     case PROTO_GUARD_TOGGLE: return !is_power_of_2(event->actual); /* told ever more rarely */
     default: return is_of_device(event->type);

@@ -45,8 +45,16 @@ enum boot_network_state {
     NETWORK_STOPPED
 };
 
+/* What 1F80h and 1F89h say when the boot of the network begins; it holds until the next one. */
+struct boot_rules {
+    bool start_all, auto_operational, auto_start;
+    enum action_on_error action_on_error;
+    uint32_t boot_time; /* ms; 0: no limit */
+};
+
 struct manager {
-    const struct network_config *config;
+    struct network_config *config; /* other tools change it through the dictionary */
+    struct boot_rules rules;
     struct od od;
     struct slave device;
     struct boot_node nodes[NETWORK_NODE_MAX + 1];      /* by node-ID */
@@ -90,8 +98,11 @@ static inline void manager_touch(struct manager *self, uint8_t node)
     co_set_add(&self->moved, node);
 }
 
-/* CO_ERR_MEMORY. The configuration must stay; it is checked and its CCFs are there. */
-enum co_err manager_init(struct manager *self, const struct network_config *config);
+/*
+ * CO_ERR_MEMORY. The configuration must stay, it is checked and its CCFs are there; from now on the
+ * manager alone changes it.
+ */
+enum co_err manager_init(struct manager *self, struct network_config *config);
 void manager_done(struct manager *self);
 
 /* Powers the device on and, as NMT master, boots the network. */

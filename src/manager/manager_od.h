@@ -4,9 +4,10 @@
  *   in   the configuration of a network
  *   out  1000h..1028h of a CANopen device, and 1F26h..1F89h of a manager
  *
- * The configuration can only be read: the XML file is its one place. Objects with a sub-index for
- * each node have all 127 of them; those of nodes without configuration are 0. Writes of 1F82h are
- * told (SLAVE_VERDICT), and what 1F82h and 1F83h say to readers is the owner's, see nmt_request.h.
+ * Objects with a sub-index for each node have all 127 of them; those of nodes without configuration
+ * are 0. Of writes to 1F80h..1F89h the manager is told (SLAVE_VERDICT), who changes the
+ * configuration (config_write.h), and what is read is what that says, see manager_od_refresh().
+ * 1005h, 1006h and 1017h are the device's own, and keep what is written to them.
  */
 #ifndef CO_MANAGER_MANAGER_OD_H
 #define CO_MANAGER_MANAGER_OD_H
@@ -23,5 +24,9 @@
  * dictionary then holds a part of them.
  */
 enum co_err manager_od_fill(const struct network_config *config, struct od *od);
+
+/* An entry is about to be read: it says what the configuration says now. */
+void manager_od_refresh(const struct network_config *config, struct od *od, uint16_t index,
+                        uint8_t sub);
 
 #endif

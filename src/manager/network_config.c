@@ -153,34 +153,25 @@ static void read_node(const xmlNode *node, struct node_config *config, struct un
     check_node(config, &scope.lines, unique, faults);
 }
 
-/* Makes room for one more element of an array, all zeros. NULL: no memory. */
-static void *grow(void *array, size_t count, size_t size, struct faults *faults)
+static bool make_room_for_nodes(struct network_config *config)
 {
-    char *grown = realloc(array, (count + 1) * size);
-
-    if (!grown) {
-        faults->no_memory = true;
-        return NULL;
-    }
-    memset(grown + count * size, 0, size);
-    return grown;
+    if (config->nodes)
+        return config->node_count < config->node_room;
+    config->nodes = calloc(NETWORK_NODE_MAX, sizeof *config->nodes);
+    config->node_room = config->nodes ? NETWORK_NODE_MAX : 0;
+    return config->nodes != NULL;
 }
 
 static void add_node(const xmlNode *node, struct network_config *config,
                      struct unique_lines *unique, struct faults *faults)
 {
-    struct node_config *nodes;
-
-    if (config->node_count == NETWORK_NODE_MAX) {
+    if (config->node_count == NETWORK_NODE_MAX)
         faults_error(faults, CO_ERR_VALUE, network_xml_line(node),
                      "Node_Instance: more than %u in one Manager_Instance", NETWORK_NODE_MAX);
-        return;
-    }
-    nodes = grow(config->nodes, config->node_count, sizeof *nodes, faults);
-    if (!nodes)
-        return;
-    config->nodes = nodes;
-    read_node(node, &nodes[config->node_count++], unique, faults);
+    else if (make_room_for_nodes(config))
+        read_node(node, &config->nodes[config->node_count++], unique, faults);
+    else
+        faults->no_memory = true;
 }
 
 static void read_network(const xmlNode *node, struct network_config *config,
@@ -216,10 +207,13 @@ static void add_network(const xmlNode *node, struct networks *networks, struct f
                      "Manager_Instance: more than %u in one file", NETWORK_INSTANCES);
         return;
     }
-    configs = grow(networks->configs, networks->count, sizeof *configs, faults);
-    if (!configs)
+    configs = realloc(networks->configs, (networks->count + 1) * sizeof *configs);
+    if (!configs) {
+        faults->no_memory = true;
         return;
+    }
     networks->configs = configs;
+    configs[networks->count] = (struct network_config){ .line = 0 };
     read_network(node, &configs[networks->count++], &networks->unique, faults);
 }
 
@@ -281,6 +275,8 @@ static void free_network(struct network_config *config)
         elements_free(&node_elements, &config->nodes[i]);
         ccf_done(&config->nodes[i].ccf);
         free(config->nodes[i].software);
+        free(config->nodes[i].dcf_text);
+        free(config->nodes[i].refusal);
     }
     free(config->nodes);
     elements_free(&network_elements, config);
@@ -299,4 +295,36 @@ const struct node_config *network_config_node(const struct network_config *self,
         if (self->nodes[i].node_id == node_id)
             return &self->nodes[i];
     return NULL;
+}
+
+struct node_config network_config_unlisted(uint8_t node_id)
+{
+    struct node_config node = { .line = 0 };
+
+    elements_preset(&node_elements, &node);
+    node.node_id = node_id;
+    node.nmt_slave = false;
+    node.auto_start_slave = false;
+    return node;
+}
+
+static struct node_config *find_node(struct network_config *self, uint8_t node_id)
+{
+    for (size_t i = 0; i < self->node_count; i++)
+        if (self->nodes[i].node_id == node_id)
+            return &self->nodes[i];
+    return NULL;
+}
+
+struct node_config *network_config_take_node(struct network_config *self, uint8_t node_id)
+{
+    struct node_config *node = find_node(self, node_id);
+
+    if (node)
+        return node;
+    if (!make_room_for_nodes(self))
+        return NULL;
+    node = &self->nodes[self->node_count++];
+    *node = network_config_unlisted(node_id);
+    return node;
 }

@@ -7,6 +7,9 @@
  *
  * All of the file is read and every fault told (up to NETWORK_MESSAGES); a file with a fault gives
  * no configuration.
+ *
+ * What the file has begun, other tools of the network may change: the manager is then the one who
+ * writes it (config_write.h), and this is all the configuration that there is.
  */
 #ifndef CO_MANAGER_NETWORK_CONFIG_H
 #define CO_MANAGER_NETWORK_CONFIG_H
@@ -63,6 +66,9 @@ struct node_config {
     struct ccf ccf;         /* what to write to the device; filled by api/ from the file */
     uint8_t *software;      /* its program, likewise; NULL: none */
     uint32_t software_size;
+    uint8_t *dcf_text; /* what came over CAN, and the ccf was made of; NULL: none did */
+    uint32_t dcf_text_size;
+    char *refusal; /* what was wrong with the last one that came over CAN; NULL: nothing yet */
 };
 
 struct network_config {
@@ -74,7 +80,7 @@ struct network_config {
     char *interface;                  /* ours: "can0", "virtual:demo"; NULL: by net number */
     char *repository;                 /* Config_File_Repository, or NULL */
     uint16_t heartbeat_producer_time; /* ms; 0: off */
-    uint16_t boot_time;               /* ms; 0: no limit */
+    uint32_t boot_time;               /* ms; 0: no limit */
     bool nmt_master;
     bool start_all;
     bool auto_operational;
@@ -92,8 +98,8 @@ struct network_config {
     int16_t slave_priorities[4];   /* NMT, PDO, SDO, EMCY */
     bool native_priorities;        /* false: 0 (lowest) .. 31 */
     uint32_t debug_mask;
-    struct node_config *nodes; /* in the order of the file */
-    size_t node_count;
+    struct node_config *nodes; /* in the order of the file; they stay where they are */
+    size_t node_count, node_room;
 };
 
 /*
@@ -108,5 +114,10 @@ enum co_err network_config_parse(const char *text, size_t size, struct co_report
 void network_config_free(struct network_config *networks, size_t count);
 
 const struct node_config *network_config_node(const struct network_config *self, uint8_t node_id);
+
+/* A node as in a file that says nothing of it: the defaults, but it is not in the network list. */
+struct node_config network_config_unlisted(uint8_t node_id);
+/* The node, to be changed; where there is none, a new one that is not listed. NULL: no memory. */
+struct node_config *network_config_take_node(struct network_config *self, uint8_t node_id);
 
 #endif

@@ -38,12 +38,11 @@ void nmt_request_refresh(struct manager *self, const struct co_frame *request)
     const uint16_t index = (uint16_t)get_le(request->data + 1, 2);
     const uint8_t node_id = request->data[3];
 
-    if (node_id < 1 || node_id > NETWORK_NODE_MAX)
-        return;
-    if (index == REQUEST_NMT)
-        od_set_number(&self->od, index, node_id, state_of(self, node_id));
-    else if (index == REQUEST_GUARDING)
-        od_set_number(&self->od, index, node_id, is_guarded(self, node_id));
+    if (index != REQUEST_NMT && index != REQUEST_GUARDING)
+        manager_od_refresh(self->config, &self->od, index, node_id);
+    else if (node_id >= 1 && node_id <= NETWORK_NODE_MAX)
+        od_set_number(&self->od, index, node_id,
+                      index == REQUEST_NMT ? state_of(self, node_id) : is_guarded(self, node_id));
 }
 
 /* --- write --- */

@@ -1,0 +1,24 @@
+/*
+ * Another tool on the simulated bus, which reads and writes the manager's dictionary by SDO.
+ */
+#ifndef TEST_SUPPORT_TOOL_H
+#define TEST_SUPPORT_TOOL_H
+
+#include "support/plant.h"
+
+#define TOOL_MANAGER 127u
+#define TOOL_SILENCE 1u /* in place of an abort code: no answer */
+
+/* It listens from now on, behind whoever listens already. One at a time. */
+void tool_attach(struct plant *plant);
+
+/* The abort code, or 0. The simulation runs until the answer is there. */
+uint32_t tool_write(struct plant *plant, uint16_t index, uint8_t sub, const void *bytes,
+                    uint32_t size);
+uint32_t tool_put(struct plant *plant, uint16_t index, uint8_t sub, uint8_t size, uint32_t value);
+/* Reads up to *size bytes, and how many there are. */
+uint32_t tool_read(struct plant *plant, uint16_t index, uint8_t sub, void *bytes, uint32_t *size);
+/* The number; an abort fails the test. */
+uint32_t tool_get(struct plant *plant, uint16_t index, uint8_t sub);
+
+#endif

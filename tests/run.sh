@@ -3,7 +3,8 @@
 #
 #   (nothing)   debug build, unit and scenario tests, rules of the house, vcan
 #   --all       and peers of other make, tests without the function they test or with faults in it,
-#               formatting, lint, sanitizers, 32 bit, valgrind, fuzzing, release build
+#               branch coverage, formatting, lint, sanitizers, 32 bit, valgrind, fuzzing,
+#               release build
 #   LANE        only these lanes, by name (and "debug", which others need)
 #
 # Missing packages are installed with apt-get; MCANOPEN_INSTALL=no leaves the system alone.
@@ -292,6 +293,23 @@ run_mutants()
     python3 -B tests/mutants/run.py "$build/debug"
 }
 
+# The branches of the manager that scenario tests go through, without those of random seeds.
+run_coverage()
+{
+    gcovr=$build/venv/bin/gcovr
+    [ -x "$gcovr" ] || cannot_run "pip does not install tests/requirements.txt" || return 1
+    cmake --preset coverage "-DMCANOPEN_WERROR=$werror" &&
+        cmake --build --preset coverage -j "$jobs" || return 1
+    find "$build/coverage" -name '*.gcda' -delete
+    ctest --test-dir "$build/coverage" -j "$jobs" -L scenario -E '^test_seeds$' \
+        --output-on-failure --no-tests=error || return 1
+    "$gcovr" --root . --exclude-throw-branches --exclude-unreachable-branches -j "$jobs" \
+        --filter src/manager/ --filter src/proto/ --txt-metric branch --txt \
+        --json "$build/coverage/branches.json" "$build/coverage" &&
+        "$gcovr" --root . --add-tracefile "$build/coverage/branches.json" \
+            --filter src/manager/ --txt /dev/null --txt-summary --fail-under-branch 95.0
+}
+
 # Refused input leaves nothing behind: each way out under valgrind.
 run_refusals()
 {
@@ -340,6 +358,7 @@ run_side_by_side()
     } &
     lane contract run_contract
     lane mutants run_mutants
+    lane coverage run_coverage
     lane valgrind run_valgrind
     lane refusals run_refusals
     lane examples run_examples

@@ -1,0 +1,100 @@
+/*
+ * Memory runs out at each moment of a manager's beginning: it says so, and nothing is left behind.
+ */
+#include "support/config_text.h"
+#include "support/suite.h"
+
+#include "manager/manager.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static unsigned left; /* allocations until one fails; 0: none does */
+
+void *__real_malloc(size_t size);
+void *__wrap_malloc(size_t size);
+void *__real_calloc(size_t count, size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+void *__real_realloc(void *memory, size_t size);
+void *__wrap_realloc(void *memory, size_t size);
+char *__real_strdup(const char *text);
+char *__wrap_strdup(const char *text);
+
+static bool fails(void)
+{
+    return left > 0 && --left == 0;
+}
+
+void *__wrap_malloc(size_t size)
+{
+    return fails() ? NULL : __real_malloc(size);
+}
+
+void *__wrap_calloc(size_t count, size_t size)
+{
+    return fails() ? NULL : __real_calloc(count, size);
+}
+
+void *__wrap_realloc(void *memory, size_t size)
+{
+    return fails() ? NULL : __real_realloc(memory, size);
+}
+
+char *__wrap_strdup(const char *text)
+{
+    return fails() ? NULL : __real_strdup(text);
+}
+
+static const char text[] = NET("<Name>plant</Name>"
+                               "<Sync_Interval>1000</Sync_Interval>"
+                               "<Node_Instance><Node_Id>5</Node_Id><Name>pump</Name>"
+                               "<Software_Identification>1</Software_Identification>"
+                               "</Node_Instance>");
+
+START_TEST(test_file_is_read)
+{
+    struct config_result *result = config_parse("<a/>");
+    unsigned n;
+
+    for (n = 1; n < 100; n++) {
+        left = n;
+        result = config_parse(text);
+        left = 0;
+        if (result->err == CO_OK)
+            break;
+        ck_assert_int_eq(result->err, CO_ERR_MEMORY);
+    }
+    ck_assert_int_eq(result->err, CO_OK);
+    ck_assert_uint_gt(n, 3);
+    network_config_free(result->networks, result->count);
+}
+END_TEST
+
+START_TEST(test_manager_is_made)
+{
+    static struct manager manager;
+    struct network_config *config = config_parse_one(text);
+    enum co_err err = CO_ERR_MEMORY;
+    unsigned n;
+
+    for (n = 1; err != CO_OK && n < 100000; n++) {
+        left = n;
+        err = manager_init(&manager, config);
+        left = 0;
+        ck_assert(err == CO_OK || err == CO_ERR_MEMORY);
+    }
+    ck_assert_int_eq(err, CO_OK);
+    ck_assert_uint_gt(n, 100);
+    manager_done(&manager);
+    network_config_free(config, 1);
+}
+END_TEST
+
+int main(void)
+{
+    TCase *tcase = tcase_create("out_of_memory");
+
+    tcase_add_test(tcase, test_file_is_read);
+    tcase_add_test(tcase, test_manager_is_made);
+    return suite_run("out_of_memory", tcase);
+}

@@ -126,7 +126,7 @@ void config_write_on_verdict(struct manager *self, const struct co_event *event,
     if (!slave_waits_for(&self->device, transfer) ||
         !co_outbox_room(&self->inner, ROOM_FRAMES, ROOM_EVENTS))
         return;
-    value = (uint32_t)get_le(slave_received(&self->device, transfer), event->actual);
+    value = (uint32_t)get_le(slave_received(&self->device, transfer), (size_t)event->actual);
     if (self->config->nmt_master)
         code = write_number(self, event, value, &change);
     slave_verdict(&self->device, transfer, code, now, &self->inner);

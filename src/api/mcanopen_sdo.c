@@ -64,7 +64,7 @@ static int transfer(struct managed *managed, const struct call *call, struct sdo
     co_us_t now;
     int result;
 
-    out = network_enter(managed->network, &now);
+    out = network_enter_recent(managed->network, &now);
     if (call->block)
         request->transfer.block = block_size(managed, call->node);
     request->transfer.timeout = timeout_of(managed, call->node, timeout);

@@ -8,9 +8,10 @@
  *   anything else              the SocketCAN interface of that name (bus_socketcan.c)
  *
  * One thread receives and waits. bus_wait() runs without the owner's lock, beside all calls but
- * bus_receive() and bus_close(); bus_wake(), bus_get_state(), bus_outages() and bus_explain() are
- * for any thread at any time; the others take turns, under the owner's lock. Frames of one bus have
- * one order, the same for all who listen.
+ * bus_receive() and bus_close(). bus_send() may run without it, too, beside all but itself and
+ * bus_close(). bus_wake(), bus_get_state(), bus_outages() and bus_explain() are for any thread at
+ * any time; the others take turns, under the owner's lock. Frames of one bus have one order, the
+ * same for all who listen.
  */
 #ifndef CO_PORT_BUS_H
 #define CO_PORT_BUS_H

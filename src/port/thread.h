@@ -9,14 +9,17 @@
 #include "base/time.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdbool.h>
+#include <stdint.h>
 
 struct co_lock {
     pthread_mutex_t mutex;
 };
 
 struct co_condition {
-    pthread_cond_t condition;
+    _Atomic uint32_t turn; /* another one with each signal; what the kernel compares */
+    _Atomic uint32_t waiting;
 };
 
 struct co_thread {
@@ -30,8 +33,12 @@ void lock_take(struct co_lock *self);
 void lock_give(struct co_lock *self);
 
 enum co_err condition_init(struct co_condition *self);
+/* Nobody waits any more. */
 void condition_done(struct co_condition *self);
-/* Wakes all who wait. */
+/*
+ * Wakes all who wait. With the lock or without: those who are woken want it at once, so it is
+ * better given before.
+ */
 void condition_signal(struct co_condition *self);
 /* Gives the lock while waiting. CO_ERR_TIMEOUT at the deadline (CO_NEVER: none); may wake early. */
 enum co_err condition_wait(struct co_condition *self, struct co_lock *lock, co_us_t deadline);

@@ -128,13 +128,11 @@ static co_us_t next_deadline(const struct network *self)
     return co_earlier(next, self->tx_retry);
 }
 
-/* True if there was something to signal. */
-static bool signal_changes(struct network *self)
+/* True if those in network_wait() are to be woken. */
+static bool take_changes(struct network *self)
 {
     bool has_events = self->has_events;
 
-    if (has_events)
-        condition_signal(&self->changed);
     self->has_events = false;
     return has_events;
 }
@@ -151,7 +149,14 @@ static void wait_for_bus(struct network *self, co_us_t deadline)
     lock_give(&self->lock);
 }
 
-/* Daemons are woken without the lock. */
+/* Who is woken may run at once, and wants the lock: it is given before. */
+static void give_lock(struct network *self, bool changed)
+{
+    lock_give(&self->lock);
+    if (changed)
+        condition_signal(&self->changed);
+}
+
 static void end_step(struct network *self)
 {
     struct daemon *woken[DAEMONS_MAX];
@@ -160,7 +165,7 @@ static void end_step(struct network *self)
     memcpy(woken, self->woken, sizeof woken);
     self->woken_count = 0;
     self->stepping = false;
-    lock_give(&self->lock);
+    give_lock(self, take_changes(self));
     for (unsigned i = 0; i < count; i++)
         daemon_wake(woken[i]);
 }
@@ -190,7 +195,6 @@ static void *run(void *context)
         run_due(self, now);
         network_flush(self, now);
         deadline = next_deadline(self);
-        signal_changes(self);
         closing = self->closing;
         more = bus_has_fetched(self->bus);
         self->sleeps_until = more ? 0 : deadline;
@@ -231,9 +235,12 @@ enum co_err network_open(const struct network_options *options, struct network *
     err = lock_init(&self->lock);
     if (err != CO_OK)
         goto free_self;
-    err = condition_init(&self->changed);
+    err = lock_init(&self->sending);
     if (err != CO_OK)
         goto done_lock;
+    err = condition_init(&self->changed);
+    if (err != CO_OK)
+        goto done_sending;
     err = open_bus(self, message, message_size);
     if (err == CO_OK) {
         *ret_network = self;
@@ -242,6 +249,8 @@ enum co_err network_open(const struct network_options *options, struct network *
     if (self->bus)
         bus_close(self->bus);
     condition_done(&self->changed);
+done_sending:
+    lock_done(&self->sending);
 done_lock:
     lock_done(&self->lock);
 free_self:
@@ -271,6 +280,7 @@ void network_close(struct network *self)
     network_stop(self);
     bus_close(self->bus);
     condition_done(&self->changed);
+    lock_done(&self->sending);
     lock_done(&self->lock);
     free(self);
 }
@@ -451,6 +461,16 @@ struct co_outbox *network_enter_untimed(struct network *self, co_us_t *ret_now)
     return &self->out;
 }
 
+/* The thread that sleeps knows the time, until it is to be woken. */
+struct co_outbox *network_enter_recent(struct network *self, co_us_t *ret_now)
+{
+    lock_take(&self->lock);
+    if (self->sleeps_until == 0 || self->sleeps_until > self->now + NETWORK_RECENT)
+        network_clock(self);
+    *ret_now = self->now;
+    return &self->out;
+}
+
 co_us_t network_clock(struct network *self)
 {
     self->now = clock_now();
@@ -506,8 +526,7 @@ void network_poke(struct network *self)
     self->has_events = true;
 }
 
-/* True if something has happened meanwhile. */
-static bool send_out(struct network *self, uint8_t node)
+static void send_out(struct network *self, uint8_t node)
 {
     const co_us_t now = self->now;
     struct device nobody = { .node = node };
@@ -517,23 +536,29 @@ static bool send_out(struct network *self, uint8_t node)
     network_flush(self, now);
     if (next_deadline(self) < self->sleeps_until)
         bus_wake(self->bus);
-    return signal_changes(self);
 }
 
 void network_leave(struct network *self, uint8_t node)
 {
     send_out(self, node);
-    lock_give(&self->lock);
+    give_lock(self, take_changes(self));
 }
 
 enum co_err network_wait(struct network *self, uint8_t node, co_us_t deadline)
 {
-    bool has_news = send_out(self, node);
-    const struct device *device = network_device(self, node);
+    bool has_news = false;
+    struct device *device = network_device(self, node);
 
+    if (device && network_send_apart(self, device))
+        return CO_OK;
+    send_out(self, node);
+    if (take_changes(self)) { /* by ourselves: no signal will come for it */
+        condition_signal(&self->changed);
+        has_news = true;
+    }
     if (self->closing || (device && device->retired))
         return CO_ERR_STATE;
-    if (has_news) /* by ourselves: no signal will come for it */
+    if (has_news)
         return CO_OK;
     return condition_wait(&self->changed, &self->lock, deadline);
 }

@@ -19,6 +19,8 @@
 #include "port/thread.h"
 #include "slave/slave.h"
 
+#define NETWORK_RECENT CO_MS(20)
+
 enum runtime_event {
     RUNTIME_FRAMES_LOST = 300, /* actual: received frames lost because we were too slow */
     RUNTIME_UNSENT,            /* actual: frames given up because the bus did not take them */
@@ -96,6 +98,8 @@ struct co_outbox *network_enter(struct network *self, co_us_t *ret_now);
  * last step or call, until network_clock() is asked.
  */
 struct co_outbox *network_enter_untimed(struct network *self, co_us_t *ret_now);
+/* As network_enter(), for calls that have to be fast: the time may be NETWORK_RECENT old. */
+struct co_outbox *network_enter_recent(struct network *self, co_us_t *ret_now);
 /* Between enter and leave: looks at the clock; also what network_time() says from now on. */
 co_us_t network_clock(struct network *self);
 /* Sends what the device of this node-ID has put out and gives the lock. */

@@ -58,7 +58,7 @@ void network_confirm(struct network *self, co_us_t now)
     self->look = CO_NEVER;
     if (has_lost(self))
         return;
-    backlog = self->tx.count + bus_backlog(self->bus);
+    backlog = self->tx.count + self->sender_away + bus_backlog(self->bus);
     for (unsigned i = 0; i < self->device_count; i++)
         if (self->devices[i].manager)
             confirm(self, self->devices[i].manager, backlog, now);

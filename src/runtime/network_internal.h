@@ -65,7 +65,9 @@ struct network {
     co_us_t sleeps_until;              /* the thread, when the lock is free; 0: it does not sleep */
     struct daemon *woken[DAEMONS_MAX]; /* when the protocol thread gives the lock */
     unsigned woken_count;
-    bool stepping; /* the protocol thread has the lock */
+    struct co_lock sending; /* who sends without the network's lock has this one */
+    bool sender_away;       /* there is such a one */
+    bool stepping;          /* the protocol thread has the lock */
     unsigned steps;
     bool has_priority;
     int priority; /* as claimed */
@@ -79,6 +81,12 @@ struct device *network_device(struct network *self, uint8_t node);
 void network_tell(struct network *self, struct co_event event);
 /* Sends what this device has put out, and tells its events. */
 void network_drain(struct network *self, struct device *device);
+/*
+ * Gives the lock to send the one frame that the device has put out, where it is just that, and
+ * takes it again: the answer may come while the frame is still being sent, and whoever gets it
+ * wants the lock. False: nothing is done, it is for network_drain().
+ */
+bool network_send_apart(struct network *self, struct device *device);
 /* Sends what waits, looks at the bus, and tells what is to be told. */
 void network_flush(struct network *self, co_us_t now);
 

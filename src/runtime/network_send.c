@@ -25,11 +25,18 @@ enum slave_bus network_slave_bus(enum bus_state state)
     return state == BUS_PASSIVE ? SLAVE_BUS_PASSIVE : SLAVE_BUS_OK;
 }
 
-/* False: the bus does not keep up, or is lost, or refuses. */
-static bool send_frame(struct network *self, const struct co_frame *frame)
+/* Frames have the order in which their senders had the network's lock. */
+static void wait_for_sender(struct network *self)
 {
-    enum co_err err = bus_send(self->bus, frame);
+    if (!self->sender_away)
+        return;
+    lock_take(&self->sending);
+    lock_give(&self->sending);
+}
 
+/* False: the bus does not keep up, or is lost, or refuses. */
+static bool note_sent(struct network *self, enum co_err err)
+{
     if (err == CO_OK)
         self->refused_until = 0;
     else if (err != CO_ERR_AGAIN && !is_lost(bus_get_state(self->bus)))
@@ -39,6 +46,12 @@ static bool send_frame(struct network *self, const struct co_frame *frame)
         network_tell(self, (struct co_event){ .type = RUNTIME_BUSY });
     }
     return err == CO_OK;
+}
+
+static bool send_frame(struct network *self, const struct co_frame *frame)
+{
+    wait_for_sender(self);
+    return note_sent(self, bus_send(self->bus, frame));
 }
 
 /* Frames wait only while the bus does not keep up; then the most urgent one is first. */
@@ -66,6 +79,43 @@ void network_drain(struct network *self, struct device *device)
         if (device->sink)
             device->sink(device->context, self, &event);
     }
+}
+
+static bool is_sent_apart(const struct network *self)
+{
+    return self->out.frame_count == 1 && self->out.event_count == 0 && !self->sender_away &&
+           tx_queue_first(&self->tx) == NULL;
+}
+
+/* The network's lock is given when the other one is taken: no other frame comes in between. */
+static enum co_err send_apart(struct network *self, const struct co_frame *frame)
+{
+    enum co_err err;
+
+    self->sender_away = true;
+    lock_take(&self->sending);
+    lock_give(&self->lock);
+    err = bus_send(self->bus, frame);
+    lock_give(&self->sending);
+    lock_take(&self->lock);
+    self->sender_away = false;
+    return err;
+}
+
+bool network_send_apart(struct network *self, struct device *device)
+{
+    struct co_frame frame;
+
+    if (!is_sent_apart(self))
+        return false;
+    network_follow(self, device);
+    co_outbox_take_frame(&self->out, &frame);
+    frame.tag = device->node;
+    network_expect(self, device, &frame);
+    /* When the bus is lost, nobody waits for the frame any more. */
+    if (!note_sent(self, send_apart(self, &frame)) && !is_lost(self->bus_state))
+        tx_queue_put(&self->tx, &frame, network_clock(self));
+    return true;
 }
 
 static void tell_lost(struct network *self, co_us_t now)

@@ -186,6 +186,8 @@ static ssize_t play_send(int fd, const void *data, size_t size, int flags)
         return start_job(data, size);
     ck_assert_int_eq(fd, kernel.can[0]);
     ck_assert_uint_eq(size, CAN_MTU);
+    if (kernel.on_send)
+        kernel.on_send();
     if (kernel.send_error)
         return failure(kernel.send_error);
     memcpy(&kernel.sent, data, size);

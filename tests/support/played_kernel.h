@@ -55,6 +55,7 @@ struct played_kernel {
     struct can_frame sent;  /* the last one */
     struct can_frame log[PLAYED_LOG];
     unsigned sent_count;
+    void (*on_send)(void); /* before a frame; NULL: nobody */
     struct played_job job;
     int can[2], netlink[2], bcm[2]; /* the bus has the first ones */
 };

@@ -1,8 +1,10 @@
 /*
- * bench_manager: SDO transfers by mcanOpenReadSDO or mcanOpenWriteSDO, see usage. Network 0 of the
- * configuration; MCANOPEN_NET_0 says where. What is read has to be the yardsticks' test pattern.
+ * bench_manager: SDO transfers by mcanOpenReadSDO or mcanOpenWriteSDO, or a network that is booted,
+ * see usage. Network 0 of the configuration; MCANOPEN_NET_0 says where. What is read has to be the
+ * yardsticks' test pattern.
  *
- *   out  one line of JSON: how long the transfers took, without the time of the start
+ *   out  one line of JSON: how long the transfers took, without the time of the start; how long the
+ *        boot took, and how much of the processor, without reading the configuration
  */
 #include "mcanopen.h"
 
@@ -11,6 +13,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <time.h>
 
 struct job {
@@ -80,46 +83,88 @@ static int run(const struct job *self)
     return 0;
 }
 
-static int start_manager(const char *config)
+static int configure(const char *config)
 {
     int result = mcanOpenInitialize();
 
     if (result == MCANOPEN_OK)
         result = mcanOpenConfig(config);
-    if (result != MCANOPEN_OK)
-        return fail(mcanOpenGetErrorText(), result);
+    return result == MCANOPEN_OK ? 0 : fail(mcanOpenGetErrorText(), result);
+}
+
+static double seconds_of(struct timeval time)
+{
+    return (double)time.tv_sec + (double)time.tv_usec / 1e6;
+}
+
+/* Of this process, the kernel's work for it included. */
+static double processor_seconds(void)
+{
+    struct rusage usage;
+
+    getrusage(RUSAGE_SELF, &usage);
+    return seconds_of(usage.ru_utime) + seconds_of(usage.ru_stime);
+}
+
+static int boot(void)
+{
+    const long up = (long)(NOD_NOT_VAL | PARA_UC | MCANOPEN_MSG_NETWORK_UP);
+    const uint64_t start = now_ns();
+    const double used = processor_seconds();
+    EVENT_T event = { 0 };
+    int result = MCANOPEN_OK;
+
     mcanOpenStart();
+    while (event.event != up && result == MCANOPEN_OK)
+        result = mcanOpenEvent(&event, 1);
+    if (result != MCANOPEN_OK)
+        return fail("mcanOpenEvent", result);
+    printf("{\"nodes\":%d,\"seconds\":%.4f,\"cpu_s\":%.6f}\n", event.para.uc,
+           (double)(now_ns() - start) / 1e9, processor_seconds() - used);
     return 0;
 }
 
 static int explain(void)
 {
     puts("usage: bench_manager CONFIG read|write|read-block|write-block NODE INDEX BYTES TIMES\n"
-         "  up to 4 bytes go expedited, and are not looked at; more in segments, or in blocks");
+         "  up to 4 bytes go expedited, and are not looked at; more in segments, or in blocks\n"
+         "       bench_manager CONFIG boot\n"
+         "  until all mandatory nodes are operational");
     return 2;
+}
+
+static int transfer_all(char **arguments)
+{
+    struct job job = { .write = strncmp(arguments[0], "write", 5) == 0,
+                       .block = strstr(arguments[0], "-block") != NULL,
+                       .node = atoi(arguments[1]),
+                       .index = (int)strtoul(arguments[2], NULL, 0),
+                       .size = atoi(arguments[3]),
+                       .count = strtoul(arguments[4], NULL, 0) };
+    int result;
+
+    job.check = job.size > 4;
+    job.data = malloc((size_t)job.size);
+    if (!job.data)
+        return 1;
+    mcanOpenStart();
+    for (int i = 0; i < job.size; i++)
+        job.data[i] = job.write ? pattern((unsigned long)i) : 0;
+    result = run(&job);
+    free(job.data);
+    return result;
 }
 
 int main(int argc, char **argv)
 {
-    struct job job;
+    const bool boots = argc == 3 && strcmp(argv[2], "boot") == 0;
     int result;
 
-    if (argc != 7)
+    if (argc != 7 && !boots)
         return explain();
-    job = (struct job){ .write = strncmp(argv[2], "write", 5) == 0,
-                        .block = strstr(argv[2], "-block") != NULL,
-                        .node = atoi(argv[3]),
-                        .index = (int)strtoul(argv[4], NULL, 0),
-                        .size = atoi(argv[5]),
-                        .count = strtoul(argv[6], NULL, 0) };
-    job.check = job.size > 4;
-    job.data = malloc((size_t)job.size);
-    if (!job.data || start_manager(argv[1]) != 0)
-        return 1;
-    for (int i = 0; i < job.size; i++)
-        job.data[i] = job.write ? pattern((unsigned long)i) : 0;
-    result = run(&job);
+    result = configure(argv[1]);
+    if (result == 0)
+        result = boots ? boot() : transfer_all(&argv[2]);
     mcanOpenCleanup();
-    free(job.data);
     return result;
 }

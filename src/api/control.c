@@ -101,18 +101,25 @@ static bool manager_text(const struct log_event *line, enum co_severity *ret_sev
     return is_news;
 }
 
+/* Which network a message is about, where that is not clear by itself. */
+static const char *name_of(const struct managed *managed)
+{
+    if (managed->config->name)
+        return managed->config->name;
+    return managed->registry->network_count > 1 ? network_name(managed->network) : "";
+}
+
 static void log_line(const struct log_event *line)
 {
     const struct managed *managed = line->managed;
+    const char *name = name_of(managed);
     char text[CO_REPORT_TEXT_SIZE], full[CO_REPORT_TEXT_SIZE + 64];
     enum co_severity severity = CO_WARNING;
 
     if (!control_bus_text(managed->network, &line->event, text, sizeof text) &&
         !manager_text(line, &severity, text, sizeof text))
         return;
-    snprintf(full, sizeof full, "%s%s%s",
-             managed->registry->network_count > 1 ? network_name(managed->network) : "",
-             managed->registry->network_count > 1 ? " " : "", text);
+    snprintf(full, sizeof full, "%.63s%s%s", name, name[0] ? " " : "", text);
     log_put(severity, full);
 }
 

@@ -5,7 +5,9 @@
 #include "api/load.h"
 #include "api/log.h"
 #include "api/nets.h"
+#include "api/priority.h"
 #include "api/registry.h"
+#include "api/scan.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -163,32 +165,38 @@ const char *mcanOpenGetErrorText(void)
     return registry_error_text();
 }
 
-/* The highest of the priorities given for a network counts for its protocol thread. */
-static int priority_of(const struct network_config *config)
+/* The slaves of this process may have claimed others before. */
+static enum co_err set_network_priorities(const struct managed *managed)
+{
+    const int priority = priority_of_protocol(managed->config);
+    int daemons[PRIOS];
+    enum co_err err;
+
+    if (priority <= 0)
+        return CO_OK;
+    err = network_claim_priority(managed->network, priority);
+    if (err == CO_OK && priority_of_slaves(managed->config, daemons))
+        err = scan_adopt_priorities(managed->config->net, daemons);
+    return err;
+}
+
+/* One daemon serves all networks. */
+static enum co_err set_control_priority(struct registry *self)
 {
     int highest = 0;
 
-    for (unsigned i = 0; config->has_manager_priorities && i < 3; i++)
-        if (config->manager_priorities[i] > highest)
-            highest = config->manager_priorities[i];
-    for (unsigned i = 0; config->has_slave_priorities && i < 4; i++)
-        if (config->slave_priorities[i] > highest)
-            highest = config->slave_priorities[i];
-    if (!config->has_manager_priorities && !config->has_slave_priorities)
-        return 0;
-    return config->native_priorities ? highest : thread_native_priority(highest);
+    for (size_t i = 0; i < self->config_count; i++)
+        if (priority_of_control(&self->configs[i]) > highest)
+            highest = priority_of_control(&self->configs[i]);
+    return thread_set_priority(&self->control, highest);
 }
 
-/* The slaves of this process may have claimed others before. */
 static bool set_priorities(struct registry *self)
 {
-    bool allowed = true;
+    bool allowed = set_control_priority(self) == CO_OK;
 
     for (size_t i = 0; i < self->network_count; i++) {
-        const struct managed *managed = &self->networks[i];
-        const int priority = priority_of(managed->config);
-        const enum co_err err = priority > 0 ? network_claim_priority(managed->network, priority)
-                                             : CO_OK;
+        const enum co_err err = set_network_priorities(&self->networks[i]);
 
         if (err == CO_ERR_EXISTS)
             log_put(CO_WARNING, "thread priorities: the slaves of this process have set them "

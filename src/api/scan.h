@@ -27,6 +27,7 @@
 #ifndef CO_API_SCAN_H
 #define CO_API_SCAN_H
 
+#include "api/priority.h"
 #include "runtime/daemon.h"
 #include "runtime/network.h"
 #include "scanopen.h"
@@ -44,6 +45,7 @@ struct scan_net {
     unsigned nodes;        /* under the change lock of scan.c */
     uint8_t bus_state;     /* as told last; under the network's lock */
     struct daemon nmt, pdo, sdo, emcy;
+    bool has_priorities; /* of its own; under the change lock of scan.c */
     struct daemon store; /* started when a node wants it ... */
     bool stores;         /* ... under the change lock of scan.c */
 };
@@ -204,6 +206,11 @@ void scan_set_net(int number, struct scan_net *net);
 /* Calls that make or delete come one at a time; their messages are told at the end. */
 void scan_begin_change(void);
 void scan_end_change(void);
+
+/* ---- scan_network.c ---- */
+
+/* Those of the manager's file for the daemons of a network that has none. CO_ERR_PERMISSION */
+enum co_err scan_adopt_priorities(int number, const int native[PRIOS]);
 
 /* ---- scan_objects.c ---- */
 

@@ -2,6 +2,7 @@
 #include "api/callback.h"
 #include "api/log.h"
 #include "api/nets.h"
+#include "api/registry.h"
 #include "api/scan.h"
 
 #include <stdio.h>
@@ -28,8 +29,6 @@ static bool is_baudrate(unsigned kbit)
 }
 
 /* ---- priorities ---- */
-
-enum { PRIO_NMT, PRIO_SDO, PRIO_PDO, PRIO_EMCY, PRIOS };
 
 struct priorities {
     bool given;
@@ -63,23 +62,62 @@ static int highest(const struct priorities *priorities)
     return result;
 }
 
-static void set_priorities(struct scan_net *net, const struct priorities *priorities)
+static enum co_err set_daemons(struct scan_net *net, const int native[PRIOS])
 {
-    struct daemon *const daemons[] = { &net->nmt, &net->sdo, &net->pdo, &net->emcy };
-    enum co_err err;
+    struct daemon *const daemons[PRIOS] = { [PRIO_NMT] = &net->nmt,
+                                            [PRIO_SDO] = &net->sdo,
+                                            [PRIO_PDO] = &net->pdo,
+                                            [PRIO_EMCY] = &net->emcy };
+    enum co_err err = CO_OK;
 
-    if (!priorities->given)
-        return;
-    err = network_claim_priority(net->network, highest(priorities));
+    for (unsigned i = 0; i < PRIOS && err != CO_ERR_PERMISSION; i++)
+        err = daemon_set_priority(daemons[i], native[i]);
+    return err;
+}
+
+/* The manager's file may say something about this network's daemons. */
+static bool read_manager_priorities(int number, int native[PRIOS])
+{
+    struct managed *managed;
+    bool given;
+
+    if (registry_enter(number, false, &managed) != MCANOPEN_OK)
+        return false;
+    given = priority_of_slaves(managed->config, native);
+    registry_leave();
+    return given;
+}
+
+static void set_priorities(struct scan_net *net, struct priorities *priorities)
+{
+    enum co_err err = CO_OK;
+    bool of_manager;
+
+    if (priorities->given)
+        err = network_claim_priority(net->network, highest(priorities));
     if (err == CO_ERR_EXISTS)
         log_put(CO_WARNING, "thread priorities: the manager of this network has set them before; "
                             "those count");
-    for (unsigned i = 0; i < sizeof daemons / sizeof daemons[0]; i++)
-        if (err != CO_ERR_PERMISSION)
-            err = daemon_set_priority(daemons[i], priorities->native[i]);
+    of_manager = read_manager_priorities(net->number, priorities->native);
+    net->has_priorities = priorities->given && !of_manager;
+    if (err != CO_ERR_PERMISSION && (priorities->given || of_manager))
+        err = set_daemons(net, priorities->native);
     if (err == CO_ERR_PERMISSION)
         log_put(CO_WARNING, "no right to set thread priorities (CAP_SYS_NICE, or ulimit -r): the "
                             "threads run with the default ones");
+}
+
+enum co_err scan_adopt_priorities(int number, const int native[PRIOS])
+{
+    struct scan_net *net;
+    enum co_err err = CO_OK;
+
+    scan_begin_change();
+    net = scan_net(number);
+    if (net && !net->has_priorities)
+        err = set_daemons(net, native);
+    scan_end_change();
+    return err;
 }
 
 /* ---- opening ---- */
@@ -147,7 +185,7 @@ static int open_network(struct scan_net *net, const SLAVE_NET_INFO *info)
 }
 
 static int open_and_start(struct scan_net *net, const SLAVE_NET_INFO *info,
-                          const struct priorities *priorities)
+                          struct priorities *priorities)
 {
     int result = open_network(net, info);
     unsigned started;

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Every public name of the headers stands in tests/contract.tsv, with its test.
+"""Every public name, and every element of the manager's file, stands in tests/contract.tsv.
 
     check_contract.py [--root DIR]
 
-Both ways: each name of the headers has exactly one row, and each row a name that is there (see
-contract.py). The test has to exist, and its source to use the name: the function, the error code,
-the member, the constant.
+Both ways: each name of the headers and of the file's reader has exactly one row, and each row a
+name that is there (see contract.py). The test has to exist, and its source to use the name: the
+function, the error code, the member, the constant, the element.
 """
 import argparse
 import re
@@ -57,15 +57,15 @@ def check_test(row, sources):
         return f"there is no test program {program}"
     if case not in CASE.findall(text):
         return f"{program} has no test {case or '(none named)'}"
-    words = row.name.replace(".", " ").split()
-    words = words[-1:] if row.kind == "member" else words
+    words = re.split(r"[./ ]", row.name)
+    words = words[1:] if row.kind in ("member", "element") else words
     missing = [w for w in words if not sources.uses(program, w)]
     return f"{program} does not use {missing[0]}" if missing else None
 
 
 def check_row(row, names, sources):
     if (row.kind, row.name) not in names:
-        return f"{row.kind} {row.name} is in no header"
+        return f"{row.kind} {row.name} is nowhere"
     if row.has_test:
         return check_test(row, sources)
     return None if row.remark else f"{row.name}: '{row.test}' needs a remark"
@@ -88,7 +88,7 @@ def main(arguments):
     parser = argparse.ArgumentParser()
     parser.add_argument("--root", type=Path, default=Path(__file__).resolve().parent.parent)
     root = parser.parse_args(arguments).root
-    names = contract.public_names(contract.read_headers(root / "include"))
+    names = contract.all_names(root)
     rows = contract.parse_rows((root / TABLE).read_text(encoding="utf-8"))
     findings = list(check_rows(rows, names, Sources(root)))
     print("\n".join(findings))

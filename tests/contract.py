@@ -9,6 +9,8 @@ The names are computed from the headers, and those of elements from the manager'
     member     SLAVE_NODE_INFO.ulOptions
     event      EV_STATE_CHANGE, MCANOPEN_MSG_BOOT_UP
     macro      BEGIN_DICTIONARY_TABLE: with parameters
+    element    Node_Instance/Guard_Time: of the manager's XML file, by each of its names, and
+               Manager_Instance/NMT_Action_On_Error STOP_ALL: by values other than the default
     constant   all others, tables of texts among them; error codes only where they are no function's
                error
 
@@ -22,6 +24,10 @@ from typing import NamedTuple
 
 HEADERS = ("scanopen.h", "scanopen_types.h", "scanopen_tables.h",
            "mcanopen.h", "mcanopen_types.h", "paraInfo.h")
+ELEMENTS = "src/manager/network_config_elements.c"
+ELEMENT_TABLE = re.compile(r"struct element (\w+)\[\] = \{(.*?)\n\};", re.S)
+ELEMENT = re.compile(r'(?:\{ |\.alias = )"(\w+)"')
+VALUES = {"NMT_Action_On_Error": ("STOP_ALL",)}  # beside the one of the element's own row
 COMMENT = re.compile(r"/\*.*?\*/", re.S)
 GUARD = re.compile(r"(SCANOPEN|MCANOPEN|PARA_INFO)\w*_H")
 DEFINE = re.compile(r"^\s*#\s*define\s+(\w+)(\(?)", re.M)
@@ -185,6 +191,21 @@ def public_names(texts):
     names |= {("error", f"{f} {e}") for f, e in errors}
     doubles = {("constant", e) for _, e in errors} | {("macro", f.name) for f in functions}
     return names - doubles
+
+
+def element_names(text):
+    """Those of network_config_elements.c."""
+    for parent, rows in ELEMENT_TABLE.findall(text):
+        table = {"network_rows": "Manager_Instance", "node_rows": "Node_Instance"}[parent]
+        for name in ELEMENT.findall(rows):
+            yield "element", f"{table}/{name}"
+            yield from (("element", f"{table}/{name} {v}") for v in VALUES.get(name, ()))
+
+
+def all_names(root):
+    """The set of (kind, name) of headers and elements."""
+    elements = (Path(root) / ELEMENTS).read_text(encoding="utf-8")
+    return public_names(read_headers(Path(root) / "include")) | set(element_names(elements))
 
 
 def read_headers(folder):

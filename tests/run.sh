@@ -281,7 +281,7 @@ valgrind_one()
         --errors-for-leak-kinds=definite,possible "$@"
 }
 
-# Each function of the API is taken away once: the tests that are named for it must fail.
+# Each function of the API, each XML element is taken away once: the tests named for it must fail.
 run_contract()
 {
     python3 -B tests/disabling/run.py "$build/debug"

@@ -95,8 +95,20 @@ NAMES = {
     ("error", "mcanOpenConfig CANOPEN_DCF_INIT_ERROR"),
 } | {("error", f"mcanOpen{f}SDO MCAL_{e}") for f in ("Read", "Write")
      for e in ("NO_NET", "PARA_ERROR", "SYS_ERROR")}
+ELEMENTS = """
+static const struct element network_rows[] = {
+    { "Net_No", UCHAR(0), NETWORK(net), .mandatory = true }, /* "the" number */
+    { "Folder", ASCII, NETWORK(folder),
+      .alias = "Path" },
+};
+static const struct element node_rows[] = {
+    { "NMT_Action_On_Error", ELEMENT_ACTION, 0, 0, ACTION_RESET_SLAVE, NODE(action) },
+};
+"""
+ELEMENT_NAMES = {("element", f"Manager_Instance/{n}") for n in ("Net_No", "Folder", "Path")} | {
+    ("element", f"Node_Instance/NMT_Action_On_Error{v}") for v in ("", " STOP_ALL")}
 HEADERS = (FUNCTIONS, TYPES, "", MANAGER, "", "")
-SOURCE = "START_TEST(it_makes)\n{ canOpenMake(SCANOPEN_OK, ulArg1); }\n"
+SOURCE = ('START_TEST(it_makes)\n{ canOpenMake(SCANOPEN_OK, ulArg1); config("<Path>a</Path>"); }\n')
 
 
 def row(kind, name, test="later", remark="not yet"):
@@ -106,7 +118,8 @@ def row(kind, name, test="later", remark="not yet"):
 def table(*changed):
     """A table that is right, but for these lines."""
     changed_names = [tuple(line.split("\t")[:2]) for line in changed]
-    return "# comment\n" + "".join(row(*n) for n in sorted(NAMES) if n not in changed_names) + \
+    names = NAMES | ELEMENT_NAMES
+    return "# comment\n" + "".join(row(*n) for n in sorted(names) if n not in changed_names) + \
         "".join(changed)
 
 
@@ -116,6 +129,8 @@ def run(text):
         root = Path(folder)
         (root / "include").mkdir()
         (root / "tests").mkdir()
+        (root / contract.ELEMENTS).parent.mkdir(parents=True)
+        (root / contract.ELEMENTS).write_text(ELEMENTS, encoding="utf-8")
         for name, header in zip(contract.HEADERS, HEADERS):
             (root / "include" / name).write_text(header, encoding="utf-8")
         (root / "tests" / "test_make.c").write_text(SOURCE, encoding="utf-8")
@@ -129,6 +144,10 @@ class Names(unittest.TestCase):
         self.assertEqual(contract.public_names(HEADERS), NAMES)
 
 
+    def test_elements(self):
+        self.assertEqual(set(contract.element_names(ELEMENTS)), ELEMENT_NAMES)
+
+
 class Table(unittest.TestCase):
     def expect(self, finding, text):
         code, output = run(text)
@@ -138,7 +157,8 @@ class Table(unittest.TestCase):
 
     def test_right(self):
         code, output = run(table(row("function", "canOpenMake", "test_make:it_makes", ""),
-                                 row("member", "EVENT.ulArg1", "test_make:it_makes", "")))
+                                 row("member", "EVENT.ulArg1", "test_make:it_makes", ""),
+                                 row("element", "Manager_Instance/Path", "test_make:it_makes")))
         self.assertEqual(code, 0, output)
 
     def test_name_without_row(self):
@@ -146,10 +166,10 @@ class Table(unittest.TestCase):
         self.expect("lacks event EV_RESET", "".join(k for k in lines if "EV_RESET" not in k))
 
     def test_row_without_name(self):
-        self.expect("canOpenBreak is in no header", table(row("function", "canOpenBreak")))
+        self.expect("canOpenBreak is nowhere", table(row("function", "canOpenBreak")))
 
     def test_wrong_kind(self):
-        self.expect("constant EV_RESET is in no header", table() + row("constant", "EV_RESET"))
+        self.expect("constant EV_RESET is nowhere", table() + row("constant", "EV_RESET"))
 
     def test_two_rows(self):
         self.expect("has another row", table() + row("event", "EV_RESET"))
@@ -166,6 +186,10 @@ class Table(unittest.TestCase):
         self.expect("test_make does not use SCANOPEN_WRONG_PARAMETER",
                     table(row("error", "canOpenMake SCANOPEN_WRONG_PARAMETER",
                               "test_make:it_makes")))
+
+    def test_element_not_used(self):
+        self.expect("test_make does not use Folder",
+                    table(row("element", "Manager_Instance/Folder", "test_make:it_makes")))
 
     def test_no_remark(self):
         self.expect("needs a remark", table(row("event", "EV_RESET", "none", "")))

@@ -25,6 +25,7 @@ TABLE = ("function\tcanOpenMake\ttest_make:it_makes\n"
          "error\tcanOpenMake SCANOPEN_WRONG_INDEX\ttest_make:it_refuses\n"
          "error\tcanOpenMake SCANOPEN_WRONG_TYPE\ttest_make:it_refuses\n"
          "error\tcanOpenBreak SCANOPEN_WRONG_TYPE\tlater\tno\n"
+         "element\tNode_Instance/Action STOP\ttest_make:it_stops\n"
          "constant\tOBJ_VAR\ttest_make:it_counts\n")
 # A program that fails as the case's name says; what it sees of the environment decides.
 PROGRAM = """#!/bin/sh
@@ -40,8 +41,10 @@ esac
 class Rows(unittest.TestCase):
     def test_each_function_with_its_tests_once(self):
         self.assertEqual(run.pairs_of(contract.parse_rows(TABLE)), [
+            ("Node_Instance/Action", "test_make:it_stops"),
             ("canOpenMake", "test_make:it_makes"), ("canOpenMake", "test_make:it_refuses"),
-            (None, "test_make:it_makes"), (None, "test_make:it_refuses")])
+            (None, "test_make:it_makes"), (None, "test_make:it_refuses"),
+            (None, "test_make:it_stops")])
 
 
 class Verdicts(unittest.TestCase):

@@ -195,11 +195,16 @@ int api_config(const struct api_plant *self, const char *inner)
     return api_config_text(self, text);
 }
 
-void api_boot(const struct api_plant *self, const char *inner)
+void api_start(const struct api_plant *self, const char *inner)
 {
     ck_assert_int_eq(mcanOpenInitialize(), MCANOPEN_OK);
     ck_assert_msg(api_config(self, inner) == MCANOPEN_OK, "%s", mcanOpenGetErrorText());
     mcanOpenStart();
+}
+
+void api_boot(const struct api_plant *self, const char *inner)
+{
+    api_start(self, inner);
     api_wait_event(API_NETWORK_UP, -1);
 }
 
@@ -214,6 +219,19 @@ EVENT_T api_wait_event(unsigned long kind, int node)
     while (((unsigned long)event.event & ~(NET_NOT_VAL | NOD_NOT_VAL)) != kind ||
            (node >= 0 && event.node != node));
     return event;
+}
+
+int api_wait_boot(int node)
+{
+    const unsigned long booted = API_EVENT(PARA_UC, MCANOPEN_MSG_NODE_BOOTED);
+    const unsigned long failed = API_EVENT(PARA_C, MCANOPEN_MSG_BOOT_ERROR);
+    EVENT_T event;
+
+    do
+        ck_assert_int_eq(mcanOpenEvent(&event, 1), MCANOPEN_OK);
+    while (event.node != node ||
+           ((unsigned long)event.event != booted && (unsigned long)event.event != failed));
+    return (unsigned long)event.event == booted ? 0 : event.para.c;
 }
 
 void api_wait_state(int net, int node, int state)

@@ -74,13 +74,17 @@ const char *api_network(const struct api_plant *self, int net, const char *inner
 int api_config(const struct api_plant *self, const char *inner);
 /* The same with a whole file. */
 int api_config_text(const struct api_plant *self, const char *text);
-/* Initializes, configures and starts; waits until the network is up. */
+/* Initializes, configures and starts. */
+void api_start(const struct api_plant *self, const char *inner);
+/* The same; waits until the network is up. */
 void api_boot(const struct api_plant *self, const char *inner);
 
 /* --- waiting --- */
 
 /* Takes events until this one comes; node -1: of any. */
 EVENT_T api_wait_event(unsigned long kind, int node);
+/* Takes events until the boot of the node has ended well (0) or failed: its letter. */
+int api_wait_boot(int node);
 /* Takes events until the node's state, as the manager knows it, is this one. */
 void api_wait_state(int net, int node, int state);
 void api_wait_log(struct api_plant *self, const char *text);

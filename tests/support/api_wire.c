@@ -172,3 +172,13 @@ co_us_t api_wire_time(struct api_wire *self, const char *frame, unsigned number)
     lock_give(&self->lock);
     return time;
 }
+
+void api_wire_settle(struct api_wire *self)
+{
+    unsigned before = api_wire_count(self, "5FF#");
+    unsigned char buffer[4];
+    int len = sizeof buffer;
+
+    ck_assert_int_eq(mcanOpenReadSDO(0, 127, 0x1000, 0, buffer, &len, NULL), MCANOPEN_OK);
+    api_wire_wait(self, "5FF#", before + 1);
+}

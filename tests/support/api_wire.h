@@ -25,4 +25,7 @@ void api_wire_wait(struct api_wire *self, const char *frame, unsigned count);
 /* When the number-th of them, from 1, was received; waits for it. */
 co_us_t api_wire_time(struct api_wire *self, const char *frame, unsigned number);
 
+/* All that the manager, node 127 of network 0, has sent before is there. */
+void api_wire_settle(struct api_wire *self);
+
 #endif

@@ -27,9 +27,12 @@ static void set_up(void)
     ccf_init(&nodes[0].ccf);
     for (uint8_t i = 0; i < 7; i++)
         ck_assert_int_eq(ccf_append(&nodes[0].ccf, 0x2000, i, value, 4), CO_OK);
-    config = (struct network_config){
-        .manager_node_id = 127, .boot_time = 5000, .nodes = nodes, .node_count = 2
-    };
+    config = (struct network_config){ .manager_node_id = 127,
+                                      .boot_time = 5000,
+                                      .nodes = nodes,
+                                      .node_count = 2,
+                                      .refusal = "1F20h:17: error: it is",
+                                      .refused_node = 5 };
 }
 
 static void tear_down(void)
@@ -114,6 +117,10 @@ static const struct told {
       "a tool commands by 1F82h: \"stop\" to all nodes" },
     { EVENT(NMT_REQUEST, .node = 5, .detail = NMT_START), CO_INFO,
       "a tool commands by 1F82h: \"start\" to node 5" },
+    { EVENT(CONFIG_REFUSED, .node = 5, .index = 0x1F20, .sub = 5), CO_WARNING,
+      "node 5 \"pump\": what a tool has written to 1F20h:05 is refused: 1F20h:17: error: it is" },
+    { EVENT(CONFIG_REFUSED, .node = 77, .index = 0x1F22, .sub = 77), CO_WARNING,
+      "node 77: what a tool has written to 1F22h:4D is refused" },
     { EVENT(SYNC_MISSING), CO_WARNING, "SYNC is not on the bus: the interface does not send it" },
     { EVENT(REQUEST_DONE, .node = 5), 0, NULL },
 };

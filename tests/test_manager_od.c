@@ -88,8 +88,18 @@ static bool is_configuration(uint16_t index, uint8_t sub)
 {
     if (index == 0x1F80 || index == 0x1F89)
         return true;
-    return sub != 0 && (index == 0x1016 || index == 0x1F26 || index == 0x1F27 || index == 0x1F55 ||
-                        index == 0x1F81 || (index >= 0x1F84 && index <= 0x1F88));
+    return sub != 0 && (index == 0x1016 || index == 0x1F21 || index == 0x1F26 || index == 0x1F27 ||
+                        index == 0x1F55 || index == 0x1F81 || (index >= 0x1F84 && index <= 0x1F88));
+}
+
+static bool is_domain(uint16_t index, uint8_t sub)
+{
+    return sub != 0 && (index == 0x1F20 || index == 0x1F22 || index == 0x1F58);
+}
+
+static bool is_order(uint16_t index, uint8_t sub)
+{
+    return sub == REQUEST_ALL_NODES || (index == REQUEST_CONFIGURE && sub != 0);
 }
 
 /* 1017h is the device's own; of each other write the manager is told. */
@@ -101,14 +111,16 @@ START_TEST(test_what_can_be_written)
     for (size_t i = 0; i < od.count; i++) {
         const uint16_t index = od.entries[i]->index;
         const uint8_t sub = od.entries[i]->sub;
-        const bool is_request = index == REQUEST_NMT && sub != 0;
+        const bool is_request = (index == REQUEST_NMT || index == REQUEST_CONFIGURE) && sub != 0;
         const bool is_told = is_request || is_configuration(index, sub);
+        const bool is_written = is_told || is_domain(index, sub) || index == 0x1017;
 
         ck_assert_uint_eq(od_check_write(&od, index, sub, &entry),
-                          is_told || index == 0x1017 ? SDO_OK : SDO_READ_ONLY);
+                          is_written ? SDO_OK : SDO_READ_ONLY);
         ck_assert_int_eq(od.entries[i]->watched, is_told);
+        ck_assert_int_eq(od.entries[i]->fetched, is_domain(index, sub));
         ck_assert_uint_eq(od_check_read(&od, index, sub, &entry),
-                          is_request && sub == REQUEST_ALL_NODES ? SDO_WRITE_ONLY : SDO_OK);
+                          is_order(index, sub) ? SDO_WRITE_ONLY : SDO_OK);
     }
 }
 END_TEST

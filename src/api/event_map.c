@@ -210,6 +210,7 @@ unsigned event_map(const struct network_config *config, const struct co_event *e
         return 1;
     case MANAGER_WRITTEN: return put_written(ret_events, config, event);
     case MANAGER_HALTED: return put_halted(ret_events, config, event);
+    case MANAGER_CONFIG_REFUSED: return put_text(ret_events, config, event);
     default: return 0; /* what the node has answered, and what only wakes: not news */
     }
 }

@@ -111,6 +111,7 @@ static enum co_err skip_entry(const uint8_t *bytes, size_t size, uint32_t number
                       "entry %lu of %lu at byte %zu: %u bytes of header expected, %zu are left",
                       (unsigned long)number, (unsigned long)get_le32(bytes), *position, HEADER_SIZE,
                       left);
+        co_report_kind(report, CCF_TRUNCATED);
         return CO_ERR_FORMAT;
     }
     left -= HEADER_SIZE;
@@ -122,6 +123,7 @@ static enum co_err skip_entry(const uint8_t *bytes, size_t size, uint32_t number
                       (unsigned long)number, (unsigned long)get_le32(bytes), *position,
                       get_le16(bytes + *position), bytes[*position + 2], (unsigned long)value_size,
                       left);
+        co_report_kind(report, CCF_TRUNCATED);
         return CO_ERR_FORMAT;
     }
     *position += HEADER_SIZE + (size_t)value_size;
@@ -137,6 +139,7 @@ static enum co_err check(const uint8_t *bytes, size_t size, struct co_report *re
         co_report_add(report, CO_ERROR, 0,
                       "a concise DCF begins with a count of %u bytes, the file has %zu", COUNT_SIZE,
                       size);
+        co_report_kind(report, CCF_TRUNCATED);
         return CO_ERR_FORMAT;
     }
     count = get_le32(bytes);

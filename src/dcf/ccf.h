@@ -52,6 +52,9 @@ enum co_err ccf_note_line(struct ccf *self, unsigned line);
 /* Of the entry with this number, from 1; 0: not known. */
 unsigned ccf_line(const struct ccf *self, uint32_t number);
 
+/* A kind for co_report_kind(): there is less than the counts and sizes say. */
+#define CCF_TRUNCATED 1
+
 /*
  * Takes over a copy of the bytes when they are one whole concise DCF. CO_ERR_FORMAT: truncated or
  * too long, the report says where (entry number and byte offset); CO_ERR_MEMORY.

@@ -121,6 +121,13 @@ void boot_network_reboot(struct manager *self, struct boot_node *node, co_us_t n
     submit(self, node, now);
 }
 
+void boot_network_configure(struct manager *self, struct boot_node *node, co_us_t now)
+{
+    manager_touch(self, node->config->node_id);
+    boot_node_configure(node, now, &self->inner);
+    submit(self, node, now);
+}
+
 void boot_network_go_on_updating(struct manager *self, struct boot_node *node, co_us_t now)
 {
     manager_touch(self, node->config->node_id);
@@ -270,11 +277,13 @@ static void check_booting(struct manager *self, co_us_t now)
     }
 }
 
-/* A node that boots after the others. */
+/* A node that boots after the others, or was started when it was to be configured. */
 static void start_late_node(struct manager *self, struct boot_node *node, co_us_t now)
 {
-    if (self->rules.auto_start && !self->start_all_due && may_be_started(node) &&
-        !node->start_due && !node->held)
+    const bool is_due = self->rules.auto_start && may_be_started(node) && !node->held;
+
+    if (!self->start_all_due && !node->start_due && node->step == BOOT_READY &&
+        (is_due || node->start_again))
         boot_node_start(node, now, &self->inner);
 }
 

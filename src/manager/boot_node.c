@@ -334,6 +334,7 @@ void boot_node_stop(struct boot_node *self)
     self->booted = false;
     self->tried = false;
     self->start_due = false;
+    self->start_again = false;
     self->reset_due = false;
     expect_boot_up(self);
     self->reset_repeated = false;
@@ -352,6 +353,7 @@ void boot_node_begin(struct boot_node *self, co_us_t now, struct co_outbox *out)
 {
     self->booted = false;
     self->start_due = false;
+    self->start_again = false;
     self->reset_due = false;
     self->request_due = false;
     self->held = false;
@@ -371,6 +373,7 @@ void boot_node_reset(struct boot_node *self, enum nmt_command command, co_us_t n
 {
     self->booted = false;
     self->start_due = false;
+    self->start_again = false;
     self->request_due = false;
     expect_boot_up(self);
     supervision_forget(&self->supervision);
@@ -394,6 +397,8 @@ void boot_node_commanded(struct boot_node *self, enum nmt_command command)
 {
     if (command == NMT_STOP || command == NMT_START || command == NMT_ENTER_PREOPERATIONAL)
         self->stopped = command == NMT_STOP ? NODE_STOPPED : NODE_NOT_STOPPED;
+    if (command != NMT_START)
+        self->start_again = false;
     if (self->step != BOOT_READY && self->step != BOOT_STARTED)
         return;
     self->start_due = false;
@@ -415,6 +420,7 @@ static void send_start(struct boot_node *self, struct co_outbox *out)
         return;
     co_outbox_put_frame(out, &frame);
     self->start_due = false;
+    self->start_again = false;
     boot_node_commanded(self, NMT_START);
     self->unfollowed = unfollowed; /* goes on where the command is repeated */
     boot_node_put_event(self, (struct co_event){ .type = MANAGER_NODE_STARTED }, out);

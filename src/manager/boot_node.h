@@ -76,6 +76,7 @@ struct boot_node {
     bool kept_alive;     /* it was found operational: not configured, not started */
     bool lost;           /* silent, and left to the application */
     bool held;           /* taken out of operation by the application: only it starts the node */
+    bool start_again;    /* it ran when it was to be configured */
     uint8_t reset_command;
     co_us_t deadline;
     unsigned attempts; /* since its last boot, or boot-up message */
@@ -116,6 +117,11 @@ void boot_node_begin(struct boot_node *self, co_us_t now, struct co_outbox *out)
 /* The same after an NMT reset command to the node and its boot delay. */
 void boot_node_reset(struct boot_node *self, enum nmt_command command, co_us_t now,
                      struct co_outbox *out);
+/*
+ * READY or STARTED: its configuration is written, and its error control begins anew. One that runs
+ * becomes pre-operational before; there must be room for that frame.
+ */
+void boot_node_configure(struct boot_node *self, co_us_t now, struct co_outbox *out);
 /* Sends NMT start as soon as there is room; it must be READY or STARTED. */
 void boot_node_start(struct boot_node *self, co_us_t now, struct co_outbox *out);
 /* It was commanded by a broadcast, or directly by the application, or by another master. */

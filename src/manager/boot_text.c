@@ -32,7 +32,7 @@ static void add_software(struct text *text, const struct node_config *node,
     case SOFTWARE_CLEAR: text_add(text, "clears its program"); break;
     case SOFTWARE_WRITE:
         text_add(text, "writes its program: %u bytes of %s", (unsigned)event->actual,
-                 node->software_file);
+                 node->software_file ? node->software_file : "1F58h");
         break;
     case SOFTWARE_COMPARE: text_add(text, "its program is written, compares it"); break;
     default: text_add(text, "starts its program"); break;
@@ -179,6 +179,7 @@ static bool add_bad_news(struct text *text, const struct node_config *node,
 static enum co_severity severity_of(const struct co_event *event)
 {
     switch (event->type) {
+    case MANAGER_CONFIG_REFUSED:
     case MANAGER_EMCY:
     case MANAGER_NODE_ID_TAKEN:
     case MANAGER_NODE_TOGGLE: return CO_WARNING;
@@ -208,6 +209,14 @@ static void add_command(struct text *text, const struct co_event *event)
         text_add(text, "\" to all nodes");
     else
         text_add(text, "\" to node %u", event->node);
+}
+
+static void add_refused(struct text *text, const struct network_config *config,
+                        const struct co_event *event)
+{
+    text_add(text, "what a tool has written to %04Xh:%02X is refused", event->index, event->sub);
+    if (event->node == config->refused_node)
+        text_add(text, ": %s", config->refusal);
 }
 
 static void add_missing(struct text *text, const struct network_config *config,
@@ -278,7 +287,9 @@ bool boot_text_event(const struct network_config *config, const struct co_event 
         return true;
     }
     *ret_severity = severity_of(event);
-    return add_bad_news(&line, node, event);
+    if (event->type == MANAGER_CONFIG_REFUSED)
+        add_refused(&line, config, event);
+    return event->type == MANAGER_CONFIG_REFUSED || add_bad_news(&line, node, event);
 }
 
 /* --- state of a node --- */

@@ -111,6 +111,21 @@ static sdo_abort_t set_slave_assignment(struct node_config *node, uint32_t value
     return SDO_OK;
 }
 
+/* --- 1F21h --- */
+
+/* The format of 1F20h: text as it is, and no other. */
+static uint32_t storage_format(const struct node_config *node)
+{
+    (void)node;
+    return 0;
+}
+
+static sdo_abort_t set_storage_format(struct node_config *node, uint32_t value)
+{
+    (void)node;
+    return value == 0 ? SDO_OK : SDO_INVALID_VALUE;
+}
+
 /* --- the table --- */
 
 #define MEMBER(name) offsetof(struct node_config, name)
@@ -124,6 +139,7 @@ static const struct node_object {
     sdo_abort_t (*set)(struct node_config *node, uint32_t value);
 } node_objects[] = {
     { 0x1016, OD_UNSIGNED32, 0, consumer_heartbeat, set_consumer_heartbeat },
+    { 0x1F21, OD_UNSIGNED8, 0, storage_format, set_storage_format },
     { 0x1F26, OD_UNSIGNED32, MEMBER(configuration_date), NULL, NULL },
     { 0x1F27, OD_UNSIGNED32, MEMBER(configuration_time), NULL, NULL },
     { 0x1F55, OD_UNSIGNED32, MEMBER(software_identification), NULL, NULL },

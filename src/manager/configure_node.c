@@ -157,6 +157,24 @@ void configure_node_on_check(struct boot_node *self, bool ok, co_us_t now, struc
     boot_node_enter_error_control(self, now, out);
 }
 
+void boot_node_configure(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    const struct co_frame preop = nmt_command_frame(NMT_ENTER_PREOPERATIONAL,
+                                                    self->config->node_id);
+    const bool runs = self->step == BOOT_STARTED || self->nmt_state == NMT_OPERATIONAL;
+
+    if (runs)
+        co_outbox_put_frame(out, &preop);
+    self->nmt_state = NMT_PREOPERATIONAL;
+    self->booted = false;
+    self->start_due = false;
+    self->start_again = runs;
+    self->kept_alive = false;
+    self->attempts = 0;
+    supervision_stop(&self->supervision);
+    enter_configure(self, now, out);
+}
+
 static void on_compared(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out)
 {
     size_t size = (size_t)self->request.result.actual;

@@ -96,6 +96,7 @@ static bool consume(struct manager *self, const struct co_event *event, co_us_t 
         else
             config_write_on_verdict(self, event, now);
         return true;
+    case SLAVE_FETCH: config_write_on_fetch(self, event, now); return true;
     case SLAVE_WRITTEN:
         config_write_on_written(self, event);
         return event->index == REQUEST_NMT; /* MANAGER_NMT_REQUEST tells that */

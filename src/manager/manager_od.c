@@ -1,5 +1,6 @@
 #include "manager/manager_od.h"
 
+#include "manager/config_domains.h"
 #include "manager/config_objects.h"
 
 /* Major version in the high word, minor version in the low one. */
@@ -26,11 +27,10 @@ static enum co_err add_emergency_consumers(const struct network_config *config, 
     return err;
 }
 
-static enum co_err add_nmt_request(struct od *od, uint8_t sub, uint8_t access)
+static enum co_err add_request(struct od *od, uint16_t index, uint8_t sub, uint8_t access)
 {
-    const struct od_spec spec = {
-        .index = REQUEST_NMT, .sub = sub, .type = OD_UNSIGNED8, .access = access
-    };
+    const uint8_t type = index == REQUEST_NMT ? OD_UNSIGNED8 : OD_UNSIGNED32;
+    const struct od_spec spec = { .index = index, .sub = sub, .type = type, .access = access };
     struct od_entry *entry;
     enum co_err err = od_add(od, &spec, &entry);
 
@@ -39,14 +39,22 @@ static enum co_err add_nmt_request(struct od *od, uint8_t sub, uint8_t access)
     return err;
 }
 
-static enum co_err add_requests(struct od *od)
+/* A request to each node, and one to all of them. */
+static enum co_err add_request_object(struct od *od, uint16_t index, uint8_t access)
 {
-    enum co_err err = od_add_number(od, REQUEST_NMT, 0, OD_UNSIGNED8, OD_CONST, REQUEST_ALL_NODES);
+    enum co_err err = od_add_number(od, index, 0, OD_UNSIGNED8, OD_CONST, REQUEST_ALL_NODES);
 
     for (uint8_t id = 1; id <= NETWORK_NODE_MAX && err == CO_OK; id++)
-        err = add_nmt_request(od, id, OD_RW);
+        err = add_request(od, index, id, access);
+    return err == CO_OK ? add_request(od, index, REQUEST_ALL_NODES, OD_WO) : err;
+}
+
+static enum co_err add_requests(struct od *od)
+{
+    enum co_err err = add_request_object(od, REQUEST_CONFIGURE, OD_WO);
+
     if (err == CO_OK)
-        err = add_nmt_request(od, REQUEST_ALL_NODES, OD_WO);
+        err = add_request_object(od, REQUEST_NMT, OD_RW);
     if (err == CO_OK)
         err = od_add_number(od, REQUEST_GUARDING, 0, OD_UNSIGNED8, OD_CONST, NETWORK_NODE_MAX);
     for (uint8_t id = 1; id <= NETWORK_NODE_MAX && err == CO_OK; id++)
@@ -94,6 +102,8 @@ enum co_err manager_od_fill(const struct network_config *config, struct od *od)
                             numbers[i].access, numbers[i].value);
     if (err == CO_OK)
         err = config_objects_fill(config, od);
+    if (err == CO_OK)
+        err = config_domains_fill(od);
     if (err == CO_OK)
         err = add_emergency_consumers(config, od);
     if (err == CO_OK)

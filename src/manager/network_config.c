@@ -276,7 +276,6 @@ static void free_network(struct network_config *config)
         ccf_done(&config->nodes[i].ccf);
         free(config->nodes[i].software);
         free(config->nodes[i].dcf_text);
-        free(config->nodes[i].refusal);
     }
     free(config->nodes);
     elements_free(&network_elements, config);

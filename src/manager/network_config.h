@@ -22,10 +22,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define NETWORK_NODE_MAX  127u
-#define NETWORK_INSTANCES 16u /* most <Manager_Instance> of a file */
-#define NETWORK_MESSAGES  100u
-#define NETWORK_FILE_SIZE (8u << 20) /* most bytes of a file */
+#define NETWORK_NODE_MAX     127u
+#define NETWORK_INSTANCES    16u /* most <Manager_Instance> of a file */
+#define NETWORK_MESSAGES     100u
+#define NETWORK_REFUSAL_SIZE CO_REPORT_TEXT_SIZE
+#define NETWORK_FILE_SIZE    (8u << 20) /* most bytes of a file */
 
 enum action_on_error { ACTION_RESET_SLAVE, ACTION_RESET_ALL, ACTION_STOP_ALL };
 
@@ -68,7 +69,6 @@ struct node_config {
     uint32_t software_size;
     uint8_t *dcf_text; /* what came over CAN, and the ccf was made of; NULL: none did */
     uint32_t dcf_text_size;
-    char *refusal; /* what was wrong with the last one that came over CAN; NULL: nothing yet */
 };
 
 struct network_config {
@@ -100,6 +100,9 @@ struct network_config {
     uint32_t debug_mask;
     struct node_config *nodes; /* in the order of the file; they stay where they are */
     size_t node_count, node_room;
+    /* What was wrong with the last configuration of a node that came over CAN and was not taken. */
+    char refusal[NETWORK_REFUSAL_SIZE];
+    uint8_t refused_node; /* 0: none yet */
 };
 
 /*

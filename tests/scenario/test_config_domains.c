@@ -1,0 +1,547 @@
+/*
+ * What is to be written to the nodes, over the network: 1F20h (text of a DCF), 1F22h (concise DCF),
+ * 1F58h (program) of the manager's dictionary, and 1F25h, which asks for it to be written.
+ */
+#include "base/bytes.h"
+#include "support/dcf_file.h"
+#include "support/loader.h"
+#include "support/suite.h"
+#include "support/tool.h"
+#include "support/watch.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define BOOTED 0x05u /* of 1F81h */
+
+#define CONF 0x666E6F63u
+
+#define NO_DATA 0x08000024u
+#define NO_TIME 0x08000022u /* not in this state */
+#define REFUSED 0x06090030u
+
+/* 6200h:01 = 55h; and = 66h with another object behind it. */
+static const uint8_t concise[] = { 1, 0, 0, 0, 0x00, 0x62, 1, 1, 0, 0, 0, 0x55 };
+static const uint8_t other[] = { 2, 0,    0, 0,    0x00, 0x62, 1, 1, 0, 0,
+                                 0, 0x66, 1, 0x62, 1,    1,    0, 0, 0, 0x77 };
+static const uint8_t nothing[] = { 0, 0, 0, 0 };
+
+static struct plant *make_plant(const char *xml)
+{
+    struct plant *plant = plant_new(xml, 1000000);
+
+    for (uint8_t node = 5; node <= 7; node++) {
+        struct plant_device *device = plant_add_device(plant, node);
+
+        plant_add_object(device, 0x6200, 1, 1, 0);
+        plant_add_object(device, 0x6201, 1, 1, 0);
+    }
+    watch_start(plant);
+    tool_attach(plant);
+    plant_power_on(plant);
+    return plant;
+}
+
+static struct plant *run_plant(const char *xml)
+{
+    struct plant *plant = make_plant(xml);
+
+    plant_run_ms(plant, 1000);
+    return plant;
+}
+
+static uint32_t put_concise(struct plant *plant, uint8_t node, const uint8_t *bytes, uint32_t size)
+{
+    const uint32_t code = tool_write(plant, 0x1F22, node, bytes, size);
+
+    plant_run_ms(plant, 2); /* what follows from it is behind the answer */
+    return code;
+}
+
+static void put(struct plant *plant, uint16_t index, uint8_t sub, uint32_t value)
+{
+    ck_assert_uint_eq(tool_put(plant, index, sub, 4, value), 0);
+    plant_run_ms(plant, 2);
+}
+
+static void expect_bytes(struct plant *plant, uint16_t index, uint8_t sub, const void *bytes,
+                         uint32_t size)
+{
+    uint8_t read[4096];
+    uint32_t read_size = sizeof read;
+
+    ck_assert_uint_eq(tool_read(plant, index, sub, read, &read_size), 0);
+    ck_assert_uint_eq(read_size, size);
+    ck_assert_mem_eq(read, bytes, size);
+}
+
+static void expect_no_bytes(struct plant *plant, uint16_t index, uint8_t sub)
+{
+    uint8_t read[4096];
+    uint32_t read_size = sizeof read;
+
+    ck_assert_uint_eq(tool_read(plant, index, sub, read, &read_size), NO_DATA);
+}
+
+static void expect_state(const struct plant *plant, uint8_t node, int state)
+{
+    const int is = plant->devices[node]->slave.state;
+
+    ck_assert_msg(is == state, "node %u is %d, not %d", node, is, state);
+}
+
+static void expect_value(const struct plant *plant, uint8_t node, uint16_t index, uint64_t value)
+{
+    ck_assert_uint_eq(od_number(&plant->devices[node]->od, index, 1, 0xDEAD), value);
+}
+
+/* --- 1F22h --- */
+
+START_TEST(test_concise)
+{
+    struct plant *plant = run_plant("");
+
+    expect_bytes(plant, 0x1F22, 5, nothing, sizeof nothing);
+    ck_assert_uint_eq(put_concise(plant, 5, other, sizeof other), 0);
+    expect_bytes(plant, 0x1F22, 5, other, sizeof other);
+    expect_no_bytes(plant, 0x1F20, 5);
+    put(plant, 0x1F81, 5, BOOTED);
+    plant_run_ms(plant, 500);
+    expect_state(plant, 5, NMT_OPERATIONAL);
+    expect_value(plant, 5, 0x6200, 0x66);
+    expect_value(plant, 5, 0x6201, 0x77);
+    ck_assert_uint_eq(put_concise(plant, 5, nothing, sizeof nothing), 0);
+    expect_bytes(plant, 0x1F22, 5, nothing, sizeof nothing);
+    plant_free(plant);
+}
+END_TEST
+
+static const struct wrong {
+    const char *name;
+    uint32_t size;
+    uint8_t bytes[16];
+    uint32_t code;
+    const char *said;
+} wrongs[] = {
+    { "no count", 3, { 1, 0, 0 }, 0x06070013, "a concise DCF begins with a count of 4 bytes" },
+    { "no entry", 4, { 1 }, 0x06070013, "entry 1 of 1 at byte 4: 7 bytes of header expected" },
+    { "half a value",
+      12,
+      { 1, 0, 0, 0, 0, 0x62, 1, 2, 0, 0, 0, 5 },
+      0x06070013,
+      "entry 1 of 1 at byte 4 (6200h:01): a value of 2 bytes expected, 1 are left" },
+    { "more than one",
+      13,
+      { 1, 0, 0, 0, 0, 0x62, 1, 1, 0, 0, 0, 5, 5 },
+      0x08000020,
+      "the 1 entries of the count end at byte 12, 1 more bytes follow" },
+};
+
+/* It is taken whole or not at all, and is told what was wrong with it. */
+START_TEST(test_wrong_concise)
+{
+    const struct wrong *row = &wrongs[_i];
+    struct plant *plant = run_plant(PLANT_NODE(5, "<Name>pump</Name>"));
+
+    ck_assert_uint_eq(put_concise(plant, 5, concise, sizeof concise), 0);
+    ck_assert_uint_eq(put_concise(plant, 5, row->bytes, row->size), row->code);
+    expect_bytes(plant, 0x1F22, 5, concise, sizeof concise);
+    ck_assert_uint_eq(put_concise(plant, 6, row->bytes, row->size), row->code);
+    ck_assert_uint_eq(plant->config->node_count, 1);
+    ck_assert_msg(plant_said(plant, row->said), "%s: %s", row->name, plant->events);
+    ck_assert(plant_said(plant, "warning: node 5 \"pump\": what a tool has written to 1F22h:05 is "
+                                "refused: 1F22h: error: "));
+    plant_free(plant);
+}
+END_TEST
+
+/* 1 MiB is enough for a configuration. */
+START_TEST(test_size)
+{
+    struct plant *plant = run_plant("");
+    uint8_t *bytes = calloc(1, 0x100001);
+
+    sim_say(&plant->sim, "67F#21221F0501001000");
+    plant_run_ms(plant, 10);
+    ck_assert_uint_eq(plant_sent(plant, "5FF#80221F0512000706"), 1);
+    sim_say(&plant->sim, "67F#21221F0500001000");
+    plant_run_ms(plant, 10);
+    ck_assert_uint_eq(plant_sent(plant, "5FF#60221F05"), 1);
+    free(bytes);
+    plant_free(plant);
+}
+END_TEST
+
+/* What says nothing makes no node of the network. */
+START_TEST(test_nothing)
+{
+    struct plant *plant = run_plant("");
+
+    ck_assert_uint_eq(put_concise(plant, 5, nothing, sizeof nothing), 0);
+    ck_assert_uint_eq(tool_put(plant, 0x1F21, 5, 1, 0), 0);
+    ck_assert_uint_eq(plant->config->node_count, 0);
+    ck_assert_uint_eq(put_concise(plant, 127, concise, sizeof concise), REFUSED);
+    ck_assert_uint_eq(plant->config->node_count, 0);
+    plant_free(plant);
+}
+END_TEST
+
+START_TEST(test_no_master)
+{
+    struct plant *plant = run_plant("<NMT_Master>FALSE</NMT_Master>" PLANT_NODE(5, ""));
+
+    ck_assert_uint_eq(put_concise(plant, 5, concise, sizeof concise), 0x08000021);
+    ck_assert_uint_eq(tool_put(plant, 0x1F25, 5, 4, CONF), 0x08000021);
+    expect_bytes(plant, 0x1F22, 5, nothing, sizeof nothing);
+    plant_free(plant);
+}
+END_TEST
+
+/* There is no memory for another node. */
+START_TEST(test_no_memory)
+{
+    struct plant *plant = run_plant(PLANT_NODE(5, ""));
+
+    plant->config->node_room = 1;
+    ck_assert_uint_eq(put_concise(plant, 6, concise, sizeof concise), 0x05040005);
+    ck_assert_uint_eq(tool_put(plant, 0x1F81, 6, 4, BOOTED), 0x05040005);
+    ck_assert_uint_eq(put_concise(plant, 5, concise, sizeof concise), 0);
+    ck_assert_uint_eq(plant->config->node_count, 1);
+    plant_free(plant);
+}
+END_TEST
+
+/* It is just being written to the device, which is reset and gets the other one. */
+START_TEST(test_replaced_while_written)
+{
+    struct plant *plant = plant_new(PLANT_NODE(5,
+                                               "<SDO_Timeout>2000</SDO_Timeout>"
+                                               "<Verify_Configuration>TRUE</Verify_Configuration>"),
+                                    1000000);
+
+    plant_add_object(plant_add_device(plant, 5), 0x6200, 1, 1, 0);
+    plant_add_object(plant->devices[5], 0x6201, 1, 1, 0);
+    plant_configure(plant, 5, 0x6200, 1, 1, 0x55);
+    watch_start(plant);
+    tool_attach(plant);
+    plant_lie(plant, _i == 0 ? "605#40006201" : "605#2F006201", NULL, 1);
+    plant_power_on(plant);
+    plant_run_ms(plant, 500);
+    ck_assert_int_eq(plant_node(plant, 5)->step, BOOT_CONFIGURE);
+    ck_assert_uint_eq(put_concise(plant, 5, other, sizeof other), 0);
+    ck_assert_uint_eq(plant_sent(plant, "000#8205"), 1);
+    plant_run_ms(plant, 1000);
+    expect_state(plant, 5, NMT_OPERATIONAL);
+    expect_value(plant, 5, 0x6201, 0x77);
+    plant_free(plant);
+}
+END_TEST
+
+/* --- 1F20h --- */
+
+#define TEXT(node, value)                                                                          \
+    OBJECT("6200", "[6200]\nParameterName=Output\nObjectType=8\nSubNumber=2\n"                     \
+                   "[6200sub0]\nParameterName=n\nDataType=5\nAccessType=const\nDefaultValue=1\n"   \
+                   "[6200sub1]\nParameterName=o\nDataType=5\nAccessType=rw\n" value                \
+                   "[DeviceComissioning]\nNodeID=" node "\nNodeName=N\nBaudrate=1000\n")
+
+START_TEST(test_text)
+{
+    static const char text[] = TEXT("5", "ParameterValue=0x55\n");
+    struct plant *plant = run_plant("");
+
+    ck_assert_uint_eq(tool_put(plant, 0x1F21, 5, 1, 1), REFUSED);
+    ck_assert_uint_eq(tool_write(plant, 0x1F20, 5, text, sizeof text - 1), 0);
+    expect_bytes(plant, 0x1F20, 5, text, sizeof text - 1);
+    expect_bytes(plant, 0x1F22, 5, concise, sizeof concise);
+    put(plant, 0x1F81, 5, BOOTED);
+    plant_run_ms(plant, 500);
+    expect_state(plant, 5, NMT_OPERATIONAL);
+    expect_value(plant, 5, 0x6200, 0x55);
+    ck_assert_uint_eq(put_concise(plant, 5, other, sizeof other), 0);
+    expect_no_bytes(plant, 0x1F20, 5);
+    ck_assert_uint_eq(tool_write(plant, 0x1F20, 5, text, sizeof text - 1), 0);
+    ck_assert_uint_eq(tool_write(plant, 0x1F20, 5, text, 0), 0);
+    expect_no_bytes(plant, 0x1F20, 5);
+    expect_bytes(plant, 0x1F22, 5, nothing, sizeof nothing);
+    plant_free(plant);
+}
+END_TEST
+
+static const struct wrong_text {
+    const char *text, *said;
+} wrong_texts[] = {
+    { "nothing", "1F20h: error: EDS or DCF text expected, there is no section in it" },
+    { TEXT("6", ""), "error: NodeID is 6, but this is for node 5" },
+    { TEXT("5", "ParameterValue=0x155\n"), "6200sub1" },
+    { OBJECT("6200", "[6200]\nParameterName=o\nDataType=5\nAccessType=rw\nParameterValue=1\n"
+                     "[DeviceComissioning]\nNodeID=5\nNodeName=N\nBaudrate=500\n"),
+      "error: Baudrate is 500 kbit/s, but the network has 1000 kbit/s" },
+    { OBJECT("6200", "[6200]\nParameterName=o\nDataType=0xF\nAccessType=rw\n"
+                     "DownloadFile=passwd\n[DeviceComissioning]\nNodeID=5\nNodeName=N\n"
+                     "Baudrate=1000\n"),
+      "6200h:00 DownloadFile: a readable file expected, \"passwd\": permission denied" },
+};
+
+START_TEST(test_wrong_text)
+{
+    const struct wrong_text *row = &wrong_texts[_i];
+    struct plant *plant = run_plant(PLANT_NODE(5, ""));
+
+    ck_assert_uint_eq(put_concise(plant, 5, other, sizeof other), 0);
+    ck_assert_uint_eq(tool_write(plant, 0x1F20, 5, row->text, (uint32_t)strlen(row->text)),
+                      0x08000020);
+    plant_run_ms(plant, 2);
+    ck_assert_msg(plant_said(plant, "1F20h:05 is refused: 1F20h") && plant_said(plant, row->said),
+                  "%s", plant->events);
+    expect_bytes(plant, 0x1F22, 5, other, sizeof other);
+    expect_no_bytes(plant, 0x1F20, 5);
+    plant_free(plant);
+}
+END_TEST
+
+/* --- 1F58h --- */
+
+START_TEST(test_program)
+{
+    struct loader loader;
+    struct node_config *node;
+    uint8_t program[LOADER_SIZE];
+
+    loader_make(&loader, LOADER_UPDATE);
+    node = &loader.plant->config->nodes[0];
+    memcpy(program, node->software, LOADER_SIZE);
+    free(node->software);
+    node->software = NULL;
+    tool_attach(loader.plant);
+    loader_run(&loader, 1000);
+    ck_assert(plant_said(loader.plant, "there is no Software_File to update it with"));
+    expect_no_bytes(loader.plant, 0x1F58, 5);
+    expect_no_bytes(loader.plant, 0x1F58, 6);
+    ck_assert_uint_eq(tool_write(loader.plant, 0x1F58, 5, program, LOADER_SIZE), 0);
+    expect_bytes(loader.plant, 0x1F58, 5, program, LOADER_SIZE);
+    ck_assert_uint_eq(tool_put(loader.plant, 0x1F82, 5, 1, 6), 0);
+    loader.write_ms = 1000;
+    loader_run(&loader, 1000);
+    ck_assert_int_eq(plant_node(loader.plant, 5)->step, BOOT_UPDATE_SOFTWARE);
+    ck_assert_uint_eq(tool_write(loader.plant, 0x1F58, 5, program, 10), NO_TIME);
+    ck_assert_uint_eq(put_concise(loader.plant, 5, concise, sizeof concise), 0);
+    loader_run(&loader, 3000);
+    loader_expect_updated(&loader, "1F58h");
+    ck_assert(plant_said(loader.plant, "writes its program: 2000 bytes of 1F58h"));
+    plant_free(loader.plant);
+}
+END_TEST
+
+/* --- 1F25h --- */
+
+#define NODES PLANT_NODE(5, "") PLANT_NODE(6, "")
+
+/* A node that runs is configured anew, and runs again; the other one is not touched. */
+START_TEST(test_conf)
+{
+    struct plant *plant = run_plant(_i == 0 ? NODES
+                                            : "<NMT_Auto_Start>FALSE</NMT_Auto_Start>" NODES);
+
+    if (_i == 1)
+        ck_assert_int_eq(plant_command(plant, NMT_START, 5), CO_OK);
+    ck_assert_uint_eq(put_concise(plant, 5, concise, sizeof concise), 0);
+    plant_run_ms(plant, 100);
+    expect_value(plant, 5, 0x6200, 0);
+    expect_state(plant, 5, NMT_OPERATIONAL);
+    put(plant, 0x1F25, 5, CONF);
+    plant_run_ms(plant, 100);
+    expect_value(plant, 5, 0x6200, 0x55);
+    expect_state(plant, 5, NMT_OPERATIONAL);
+    ck_assert_str_eq(plant_talk(plant, 5), " w6200:1=55");
+    ck_assert_uint_eq(plant_sent(plant, "000#8005"), 1);
+    ck_assert_uint_eq(plant_sent(plant, "000#8205"), 0);
+    ck_assert_uint_eq(plant_sent(plant, "000#0105"), 2);
+    ck_assert_uint_eq(plant_sent(plant, "000#8006"), 0);
+    ck_assert_uint_eq(plant_said_times(plant, "node 5: booted"), 2);
+    plant_free(plant);
+}
+END_TEST
+
+/* One that is held where it is stays there, started by nobody. */
+START_TEST(test_conf_held)
+{
+    struct plant *plant = run_plant(NODES);
+
+    ck_assert_int_eq(plant_command(plant, NMT_ENTER_PREOPERATIONAL, 5), CO_OK);
+    plant_run_ms(plant, 10);
+    ck_assert_uint_eq(put_concise(plant, 5, concise, sizeof concise), 0);
+    put(plant, 0x1F25, 5, CONF);
+    plant_run_ms(plant, 500);
+    expect_value(plant, 5, 0x6200, 0x55);
+    expect_state(plant, 5, NMT_PREOPERATIONAL);
+    ck_assert_uint_eq(plant_sent(plant, "000#0105"), 1);
+    plant_free(plant);
+}
+END_TEST
+
+/* While it is configured another master stops it: it is not started again. */
+START_TEST(test_conf_stopped)
+{
+    struct plant *plant = run_plant(
+        "<NMT_Auto_Start>FALSE</NMT_Auto_Start>" PLANT_NODE(5, "<SDO_Timeout>1000</SDO_Timeout>"));
+
+    ck_assert_int_eq(plant_command(plant, NMT_START, 5), CO_OK);
+    ck_assert_uint_eq(put_concise(plant, 5, concise, sizeof concise), 0);
+    plant->devices[5]->sim->hold_until = plant->sim.now + CO_MS(50);
+    put(plant, 0x1F25, 5, CONF);
+    plant_run_ms(plant, 10);
+    ck_assert_int_eq(plant_node(plant, 5)->step, BOOT_CONFIGURE);
+    sim_say(&plant->sim, _i == 0 ? "000#8005" : "000#0105");
+    plant_run_ms(plant, 500);
+    ck_assert_uint_eq(plant_sent(plant, "000#0105"), _i == 0 ? 1 : 3);
+    plant_free(plant);
+}
+END_TEST
+
+/* It refuses: it is not started with half of it, and when it is mended the request boots it. */
+START_TEST(test_conf_fails)
+{
+    static const uint8_t refused[] = { 2, 0,    0, 0,    0x00, 0x62, 1, 1, 0, 0,
+                                       0, 0x44, 0, 0x62, 9,    1,    0, 0, 0, 0x77 };
+    struct plant *plant = run_plant(NODES);
+
+    ck_assert_uint_eq(put_concise(plant, 5, refused, sizeof refused), 0);
+    put(plant, 0x1F25, 5, CONF);
+    plant_run_ms(plant, 500);
+    ck_assert(plant_said(plant, "node 5: boot error J: write 6200h:09 = 77h (entry 2 of 2 of the "
+                                "configuration): the node answers abort 06090011h"));
+    expect_state(plant, 5, NMT_PREOPERATIONAL);
+    expect_value(plant, 5, 0x6200, 0x44);
+    ck_assert_uint_eq(put_concise(plant, 5, concise, sizeof concise), 0);
+    plant_run_ms(plant, 500);
+    expect_state(plant, 5, NMT_PREOPERATIONAL);
+    put(plant, 0x1F25, 5, CONF);
+    ck_assert_uint_eq(plant_sent(plant, "000#8205"), 1);
+    plant_run_ms(plant, 500);
+    expect_state(plant, 5, NMT_OPERATIONAL);
+    expect_value(plant, 5, 0x6200, 0x55);
+    plant_free(plant);
+}
+END_TEST
+
+/* The result of a node without a boot of its own: only it is configured. */
+START_TEST(test_conf_watched_only)
+{
+    struct plant *plant = run_plant(
+        PLANT_NODE(5, "<NMT_Auto_Start_Slave>FALSE</NMT_Auto_Start_Slave>"));
+
+    ck_assert_uint_eq(put_concise(plant, 5, concise, sizeof concise), 0);
+    put(plant, 0x1F25, 5, CONF);
+    plant_run_ms(plant, 100);
+    expect_value(plant, 5, 0x6200, 0x55);
+    expect_state(plant, 5, NMT_PREOPERATIONAL);
+    ck_assert_uint_eq(plant_sent(plant, "000#0105"), 0);
+    plant_free(plant);
+}
+END_TEST
+
+static const struct conf {
+    uint8_t sub;
+    uint32_t value, code;
+} confs[] = {
+    { 5, 0x666E6F64, 0x08000021 },  { 6, CONF, NO_DATA },    { 7, CONF, REFUSED },
+    { 77, CONF, REFUSED },          { 0, CONF, 0x06010002 }, { 0x81, CONF, 0x06090011 },
+    { 0x80, CONF + 1, 0x08000021 },
+};
+
+START_TEST(test_conf_refused)
+{
+    struct plant *plant = run_plant(NODES PLANT_NODE(7, "<NMT_Slave>FALSE</NMT_Slave>"));
+    uint8_t read[4];
+    uint32_t size = sizeof read;
+
+    ck_assert_uint_eq(put_concise(plant, 5, concise, sizeof concise), 0);
+    ck_assert_uint_eq(put_concise(plant, 7, concise, sizeof concise), 0);
+    ck_assert_uint_eq(tool_put(plant, 0x1F25, confs[_i].sub, 4, confs[_i].value), confs[_i].code);
+    plant_run_ms(plant, 100);
+    ck_assert_uint_eq(plant_sent(plant, "605#2F"), 0);
+    ck_assert_uint_eq(tool_read(plant, 0x1F25, 5, read, &size), 0x06010001);
+    plant_free(plant);
+}
+END_TEST
+
+/* Not now: it is booted, it is stopped, the network has its boot delay. */
+START_TEST(test_conf_not_now)
+{
+    struct plant *plant = make_plant(NODES);
+
+    plant_run_ms(plant, 50);
+    ck_assert_uint_eq(put_concise(plant, 5, concise, sizeof concise), 0);
+    ck_assert_uint_eq(tool_put(plant, 0x1F25, 5, 4, CONF), NO_TIME);
+    ck_assert_uint_eq(tool_put(plant, 0x1F25, 0x80, 4, CONF), NO_TIME);
+    plant_run_ms(plant, 500);
+    ck_assert_int_eq(plant_command(plant, NMT_STOP, 5), CO_OK);
+    ck_assert_uint_eq(tool_put(plant, 0x1F25, 5, 4, CONF), NO_TIME);
+    ck_assert_int_eq(plant_command(plant, NMT_RESET_NODE, 5), CO_OK);
+    ck_assert_uint_eq(tool_put(plant, 0x1F25, 5, 4, CONF), NO_TIME);
+    plant_run_ms(plant, 500);
+    expect_state(plant, 5, NMT_OPERATIONAL);
+    plant_free(plant);
+}
+END_TEST
+
+/* One that is absent is tried again at once. */
+START_TEST(test_conf_absent)
+{
+    struct plant *plant = run_plant(PLANT_NODE(5, "") PLANT_NODE(9, ""));
+
+    ck_assert_uint_eq(put_concise(plant, 9, concise, sizeof concise), 0);
+    while (plant_node(plant, 9)->step != BOOT_RETRY)
+        plant_run_ms(plant, 10);
+    put(plant, 0x1F25, 9, CONF);
+    ck_assert_uint_eq(plant_sent(plant, "000#8209"), 1);
+    plant_free(plant);
+}
+END_TEST
+
+/* All that have a configuration, and are there. */
+START_TEST(test_conf_all)
+{
+    struct plant *plant = run_plant(NODES PLANT_NODE(7, ""));
+
+    ck_assert_uint_eq(tool_put(plant, 0x1F25, 0x80, 4, CONF), NO_DATA);
+    ck_assert_uint_eq(put_concise(plant, 5, concise, sizeof concise), 0);
+    ck_assert_uint_eq(put_concise(plant, 6, other, sizeof other), 0);
+    put(plant, 0x1F25, 0x80, CONF);
+    plant_run_ms(plant, 100);
+    ck_assert_str_eq(plant_talk(plant, 5), " w6200:1=55");
+    ck_assert_str_eq(plant_talk(plant, 6), " w6200:1=66 w6201:1=77");
+    ck_assert_str_eq(plant_talk(plant, 7), "");
+    for (uint8_t node = 5; node <= 7; node++)
+        expect_state(plant, node, NMT_OPERATIONAL);
+    plant_free(plant);
+}
+END_TEST
+
+int main(void)
+{
+    TCase *tcase = tcase_create("config_domains");
+
+    tcase_add_test(tcase, test_concise);
+    tcase_add_loop_test(tcase, test_wrong_concise, 0, (int)(sizeof wrongs / sizeof wrongs[0]));
+    tcase_add_test(tcase, test_size);
+    tcase_add_test(tcase, test_nothing);
+    tcase_add_test(tcase, test_no_master);
+    tcase_add_test(tcase, test_no_memory);
+    tcase_add_loop_test(tcase, test_replaced_while_written, 0, 2);
+    tcase_add_test(tcase, test_text);
+    tcase_add_loop_test(tcase, test_wrong_text, 0,
+                        (int)(sizeof wrong_texts / sizeof wrong_texts[0]));
+    tcase_add_test(tcase, test_program);
+    tcase_add_loop_test(tcase, test_conf, 0, 2);
+    tcase_add_test(tcase, test_conf_held);
+    tcase_add_loop_test(tcase, test_conf_stopped, 0, 2);
+    tcase_add_test(tcase, test_conf_fails);
+    tcase_add_test(tcase, test_conf_watched_only);
+    tcase_add_loop_test(tcase, test_conf_refused, 0, (int)(sizeof confs / sizeof confs[0]));
+    tcase_add_test(tcase, test_conf_not_now);
+    tcase_add_test(tcase, test_conf_absent);
+    tcase_add_test(tcase, test_conf_all);
+    return suite_run("config_domains", tcase);
+}

@@ -18,9 +18,9 @@
  *
  * Threads: every function may be called from any thread. While one of mcanOpenInitialize, Config,
  * Start, ShutDown and Cleanup works, these return MCAL_SYS_ERROR in other threads. From a callback
- * (an object or event handler of scanopen.h, the log hook) only those that do not wait: the others
- * are marked "waits" and return MCAL_UNSUPPORTED there at once. After fork() the child may use no
- * function of the library.
+ * (an object or event handler of scanopen.h, the log hook, the end of an SDO request) only those
+ * that do not wait: the others are marked "waits" and return MCAL_UNSUPPORTED there at once. After
+ * fork() the child may use no function of the library.
  *
  * "Ours" marks what goes beyond the interface of the manual. Pointers to data that the library only
  * reads are const here, where the manual prints them without.
@@ -54,6 +54,8 @@ extern "C" {
 #define MCAL_NO_EVENT          (-12) /* no event is waiting */
 #define MCAL_UNSUPPORTED       (-13) /* a call that waits, from a callback */
 #define MCAL_NODE_NOT_FREE     (-22) /* not now, the state of manager or node forbids it */
+#define MCAL_SDO_QUEUE_FULL    (-23) /* ours: too many SDO requests are under way already */
+#define MCAL_SDO_CANCELLED     (-24) /* ours: how a request ends that mcanOpenCancelSDO has ended */
 /* SDO transfers */
 #define MCAL_WRONG_SERVER_ANSWER (-14) /* the node's answer breaks the SDO protocol */
 #define MCAL_TOGGLE_ERROR        (-15) /* the node's segments do not alternate their toggle bit */
@@ -383,6 +385,76 @@ MCANOPEN_API int mcanOpenReadSDO(unsigned short net, unsigned short modID, int i
  */
 MCANOPEN_API int mcanOpenWriteSDO(unsigned short net, unsigned short modID, int index, int subindex,
                                   int type, const void *buffer, int len, ERROR_T *error);
+
+/* object dictionary access without waiting (ours) ------------------------------------------------- */
+
+/* How an SDO request has ended. It and what it points to are valid during the call that gets it. */
+typedef struct {
+    int net;
+    int node;
+    int index;
+    int subindex;
+    int write;           /* 1: of mcanOpenWriteSDOAsync */
+    unsigned int number; /* as the call that made it has told */
+    int result;          /* as mcanOpenReadSDO or mcanOpenWriteSDO would return, see there */
+    int len;             /* read: bytes at data; with MCAL_BUFFER_OVERFLOW the size needed, or 0 */
+    const void *data;    /* read: what the node has sent; NULL where result is not MCANOPEN_OK */
+    ERROR_T error;       /* with MCAL_ABORT_DOMAIN the node's abort code */
+} SDO_RESULT_T;
+
+/* Is told the end of a request. */
+typedef void (*MCANOPEN_SDO_DONE_T)(void *context, const SDO_RESULT_T *result);
+
+/* An SDO request. Nothing of it needs to stay when the call has returned: data is copied. */
+typedef struct {
+    int size; /* in: sizeof(SDO_REQUEST_T) of the caller, so that the structure can grow */
+    int net;
+    int node;                 /* 1..127 */
+    int index;                /* 0..0xFFFF */
+    int subindex;             /* 0..0xFF; read: | TYP_BLOCK, as in mcanOpenReadSDO */
+    int type;                 /* write: as in mcanOpenWriteSDO */
+    const void *data;         /* write: what to write */
+    int len;                  /* write: as in mcanOpenWriteSDO; read: at most so many bytes */
+    MCANOPEN_SDO_DONE_T done; /* gets the end */
+    void *context;            /* its first argument */
+} SDO_REQUEST_T;
+
+/* Requests that may be under way at a time in each network. */
+#define MCANOPEN_SDO_REQUESTS 256
+
+/*
+ * As mcanOpenReadSDO and mcanOpenWriteSDO, but they do not wait: request->done is told the end,
+ * exactly once for each request that was taken (MCANOPEN_OK), and not at all for others. With the
+ * calls that wait, requests to one node come in turn; the time-out of each starts when its turn has
+ * come. Those to different nodes go on side by side.
+ *
+ * number, which may be NULL, gets what mcanOpenCancelSDO needs. It is there before done is called;
+ * that may be before this returns.
+ *
+ * done is called by the control daemon, a thread of the library, one after the other for all
+ * networks, and never while the library holds a lock: a slow one delays the others and the log
+ * hook, not the protocol. It is a callback: calls that wait return MCAL_UNSUPPORTED in it; new
+ * requests and mcanOpenCancelSDO work. mcanOpenShutDown ends all requests that are under way with
+ * MCAL_NO_NET, and returns when all of them were told.
+ *
+ *   MCAL_PARA_ERROR      also: request->size is too small, done is NULL, len < 0; writes: as in
+ *                        mcanOpenWriteSDO
+ *   MCAL_SDO_QUEUE_FULL  MCANOPEN_SDO_REQUESTS of this network are under way: once more when one
+ *                        of them has been told
+ *   MCAL_OBJ_NO_MEMORY   no memory for its data
+ *   MCAL_NODE_NOT_FREE   the manager is not started
+ */
+MCANOPEN_API int mcanOpenReadSDOAsync(const SDO_REQUEST_T *request, unsigned int *number);
+MCANOPEN_API int mcanOpenWriteSDOAsync(const SDO_REQUEST_T *request, unsigned int *number);
+
+/*
+ * Ends a request of this net, under way or waiting for its turn: its end, MCAL_SDO_CANCELLED, is
+ * told as any other. A node in the middle of a transfer gets an abort. Does not wait.
+ *
+ *   MCAL_NO_EVENT       no such request: it has ended by itself, told or not yet
+ *   MCAL_NODE_NOT_FREE  the manager is not started
+ */
+MCANOPEN_API int mcanOpenCancelSDO(int net, unsigned int number);
 
 /* NMT control ---------------------------------------------------------------------------------- */
 

@@ -11,8 +11,8 @@
 /* A channel, three requests, and what comes out; 'now' is the test's. */
 static struct sdo_channel channel;
 static unsigned block_downloads;
-static struct sdo_request requests[3];
-static uint8_t buffers[3][8];
+static struct sdo_request requests[4];
+static uint8_t buffers[4][8];
 static struct co_frame frames[8];
 static struct co_event events[8];
 static struct co_outbox out;
@@ -32,11 +32,16 @@ static void set_up(void)
     set_up_with_room(8, 8);
 }
 
-static void submit(unsigned i)
+static void fill(unsigned i)
 {
     requests[i].transfer = (struct sdo_transfer){
         .index = (uint16_t)(0x2000 + i), .buffer = buffers[i], .size = 8, .timeout = CO_MS(100)
     };
+}
+
+static void submit(unsigned i)
+{
+    fill(i);
     sdo_channel_submit(&channel, &requests[i], now, &out);
 }
 
@@ -132,6 +137,35 @@ START_TEST(test_one_at_a_time)
     expect_no_event();
     submit(0); /* and again */
     expect_frame("605#4000200000000000");
+}
+END_TEST
+
+/* Before those that wait, not before the one that runs; alone, and behind nothing, as well. */
+START_TEST(test_first)
+{
+    if (_i == 1)
+        submit(0);
+    if (_i == 1)
+        submit(1);
+    fill(2);
+    sdo_channel_submit_first(&channel, &requests[2], now, &out);
+    if (_i == 1) {
+        expect_frame("605#4000200000000000");
+        expect_silence();
+        receive("585#4F00200007000000", false);
+        ck_assert_int_eq(next_done(), 0);
+    }
+    expect_frame("605#4002200000000000");
+    submit(3);
+    receive("585#4F02200009000000", false);
+    ck_assert_int_eq(next_done(), 2);
+    if (_i == 1) {
+        expect_frame("605#4001200000000000");
+        receive("585#4F01200009000000", false);
+        ck_assert_int_eq(next_done(), 1);
+    }
+    expect_frame("605#4003200000000000");
+    expect_silence();
 }
 END_TEST
 
@@ -443,6 +477,7 @@ int main(void)
 
     tcase_add_checked_fixture(tcase, set_up, NULL);
     tcase_add_test(tcase, test_one_at_a_time);
+    tcase_add_loop_test(tcase, test_first, 0, 2);
     tcase_add_test(tcase, test_time_out);
     tcase_add_test(tcase, test_handed_over);
     tcase_add_test(tcase, test_handed_over_without_room);

@@ -43,6 +43,17 @@ void control_on_event(void *context, struct network *network, const struct co_ev
         event_queue_put(&managed->registry->events, &events[i]);
     if (event->type != MANAGER_REQUEST_DONE)
         event_queue_put(&managed->registry->logs, &line);
+    else
+        control_wake(managed);
+}
+
+/* Where the queue is full, the daemon is awake, and looks when it has done what it does. */
+void control_wake(struct managed *managed)
+{
+    const struct log_event line = { managed, { .type = MANAGER_REQUEST_DONE } };
+
+    if (sdo_async_note_end(managed))
+        event_queue_put(&managed->registry->logs, &line);
 }
 
 static void bus_state_text(const struct network *network, uint8_t state, char *text, size_t size)
@@ -140,8 +151,12 @@ void *control_run(void *context)
     while (event_queue_take(&self->logs, CO_NEVER, &line, &lost) == CO_OK) {
         if (lost > 0)
             log_lost(lost);
-        else
+        else if (line.event.type != MANAGER_REQUEST_DONE)
             log_line(&line);
+        for (size_t i = 0; i < self->network_count; i++)
+            sdo_async_tell(&self->networks[i]);
     }
+    for (size_t i = 0; i < self->network_count; i++)
+        sdo_async_tell_rest(&self->networks[i]);
     return NULL;
 }

@@ -7,6 +7,7 @@
 #ifndef CO_API_REGISTRY_H
 #define CO_API_REGISTRY_H
 
+#include "api/sdo_async.h"
 #include "base/report.h"
 #include "manager/manager.h"
 #include "mcanopen.h"
@@ -18,6 +19,7 @@ struct managed {                         /* one network with its manager */
     struct network *network;
     bool placed; /* the manager is on it */
     struct manager *manager;
+    struct sdo_async_list asyncs;
     struct registry *registry;
 };
 

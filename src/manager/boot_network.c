@@ -110,7 +110,8 @@ static void submit(struct manager *self, struct boot_node *node, co_us_t now)
     if (!node->request_due)
         return;
     node->request_due = false;
-    sdo_channel_submit(&self->channels[node->config->node_id], &node->request, now, &self->inner);
+    sdo_channel_submit_first(&self->channels[node->config->node_id], &node->request, now,
+                             &self->inner);
 }
 
 void boot_network_reboot(struct manager *self, struct boot_node *node, co_us_t now)

@@ -68,6 +68,17 @@ void sdo_channel_submit(struct sdo_channel *self, struct sdo_request *request, c
     start_next(self, now, out);
 }
 
+void sdo_channel_submit_first(struct sdo_channel *self, struct sdo_request *request, co_us_t now,
+                              struct co_outbox *out)
+{
+    request->next = self->first;
+    request->state = REQUEST_QUEUED;
+    self->first = request;
+    if (!self->last)
+        self->last = request;
+    start_next(self, now, out);
+}
+
 static void unlink_waiting(struct sdo_channel *self, struct sdo_request *request)
 {
     struct sdo_request *previous = NULL;

@@ -43,6 +43,9 @@ void sdo_channel_init(struct sdo_channel *self, uint8_t node, unsigned *block_do
 void sdo_channel_forget(struct sdo_channel *self);
 void sdo_channel_submit(struct sdo_channel *self, struct sdo_request *request, co_us_t now,
                         struct co_outbox *out);
+/* The same before all that wait: the boot of a node waits for one transfer, not for a queue. */
+void sdo_channel_submit_first(struct sdo_channel *self, struct sdo_request *request, co_us_t now,
+                              struct co_outbox *out);
 /*
  * Takes a request out, running or waiting; it becomes IDLE and gives no event. code 0: the server
  * is not told. False when the outbox has no room to tell it: try again.

@@ -68,6 +68,20 @@ class BootNetwork(ExampleTest):
         plant.say(boot.out.lines[-1].strip())
 
 
+class AsyncSdo(ExampleTest):
+    def test_all_answer(self):
+        """four devices are asked four things each"""
+        xml = EXAMPLES / "boot-network" / "network.xml"
+        self.start_sim(xml)
+        program = self.start_example("async-sdo", xml)
+        self.assertEqual(program.wait(), 0, program.story())
+        self.assertEqual(len(program.out.lines), 4 * len(PLANT_NODES), program.story())
+        for node in PLANT_NODES:
+            self.assertIn(f"node {node}: vendor-ID {0x1A0000EE}", program.out.text())
+            self.assertIn(f"node {node}: name \"", program.out.text())
+        plant.say(f"{len(program.out.lines)} answers")
+
+
 class AsyncIo(ExampleTest):
     def setUp(self):
         super().setUp()

@@ -433,8 +433,8 @@ typedef struct {
  *
  * done is called by the control daemon, a thread of the library, one after the other for all
  * networks, and never while the library holds a lock: a slow one delays the others and the log
- * hook, not the protocol. It is a callback: calls that wait return MCAL_UNSUPPORTED in it; new
- * requests and mcanOpenCancelSDO work. mcanOpenShutDown ends all requests that are under way with
+ * hook, not the protocol. It is a callback, in which calls that wait are refused; new requests and
+ * mcanOpenCancelSDO work. mcanOpenShutDown ends all requests that are under way with
  * MCAL_NO_NET, and returns when all of them were told.
  *
  *   MCAL_PARA_ERROR      also: request->size is too small, done is NULL, len < 0; writes: as in
@@ -443,13 +443,14 @@ typedef struct {
  *                        of them has been told
  *   MCAL_OBJ_NO_MEMORY   no memory for its data
  *   MCAL_NODE_NOT_FREE   the manager is not started
+ *   MCAL_NO_NET, MCAL_SYS_ERROR   as in all functions that take a net
  */
 MCANOPEN_API int mcanOpenReadSDOAsync(const SDO_REQUEST_T *request, unsigned int *number);
 MCANOPEN_API int mcanOpenWriteSDOAsync(const SDO_REQUEST_T *request, unsigned int *number);
 
 /*
- * Ends a request of this net, under way or waiting for its turn: its end, MCAL_SDO_CANCELLED, is
- * told as any other. A node in the middle of a transfer gets an abort. Does not wait.
+ * Ends a request of this net, under way or waiting for its turn. Its end is told as any other,
+ * marked as cancelled. A node in the middle of a transfer gets an abort. Does not wait.
  *
  *   MCAL_NO_EVENT       no such request: it has ended by itself, told or not yet
  *   MCAL_NODE_NOT_FREE  the manager is not started

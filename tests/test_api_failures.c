@@ -67,6 +67,35 @@ static int call_read(void)
     return mcanOpenReadSDO(0, 5, 0x1000, 0, buffer, &len, NULL);
 }
 
+static void ignore_end(void *context, const SDO_RESULT_T *result)
+{
+    (void)context;
+    (void)result;
+}
+
+static int call_async(bool write)
+{
+    const SDO_REQUEST_T request = { .size = sizeof request,
+                                    .node = 5,
+                                    .index = 0x1000,
+                                    .type = TYP_UINT32,
+                                    .data = "ABCD",
+                                    .len = 4,
+                                    .done = ignore_end };
+
+    return write ? mcanOpenWriteSDOAsync(&request, NULL) : mcanOpenReadSDOAsync(&request, NULL);
+}
+
+static int call_read_async(void)
+{
+    return call_async(false);
+}
+
+static int call_write_async(void)
+{
+    return call_async(true);
+}
+
 /* How often each result came, when one allocation after the other has failed, until none does. */
 static void fail_each(int (*call)(void), int expected, int other)
 {
@@ -118,6 +147,13 @@ START_TEST(no_memory_for_what_is_read)
 }
 END_TEST
 
+START_TEST(no_memory_for_a_request)
+{
+    api_boot(plant, API_NODE(5));
+    fail_each(_i ? call_write_async : call_read_async, MCAL_OBJ_NO_MEMORY, 0);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tests = tcase_create("failures");
@@ -127,5 +163,6 @@ int main(void)
     tcase_add_test(tests, no_memory_to_initialize);
     tcase_add_test(tests, no_memory_to_configure);
     tcase_add_test(tests, no_memory_for_what_is_read);
+    tcase_add_loop_test(tests, no_memory_for_a_request, 0, 2);
     return suite_run("api_failures", tests);
 }

@@ -212,6 +212,7 @@ static const struct {
     SDO_REQUEST_T request;
     bool write;
 } wrong[] = {
+    { { .node = 0, .index = 0x2000, .type = TYP_UINT8, .data = "" }, true },
     { { .node = 0, .index = 0x2000 }, false },
     { { .node = 128, .index = 0x2000 }, false },
     { { .node = 5, .index = -1 }, false },
@@ -243,30 +244,39 @@ START_TEST(wrong_requests_are_refused)
 }
 END_TEST
 
+/* Both directions say the same. */
+static int try_both(const SDO_REQUEST_T *request)
+{
+    const int result = mcanOpenReadSDOAsync(request, NULL);
+
+    ck_assert_int_eq(mcanOpenWriteSDOAsync(request, NULL), result);
+    return result;
+}
+
 START_TEST(not_now_and_not_so)
 {
-    SDO_REQUEST_T request = reading(5, 0x2001, 1);
+    SDO_REQUEST_T good = writing(5, 0x2001, TYP_UINT8, "A", 1), request = good;
 
-    ck_assert_int_eq(mcanOpenReadSDOAsync(&request, NULL), MCAL_SYS_ERROR);
+    ck_assert_int_eq(try_both(&good), MCAL_SYS_ERROR);
     ck_assert_int_eq(mcanOpenCancelSDO(0, 1), MCAL_SYS_ERROR);
     ck_assert_int_eq(mcanOpenInitialize(), MCANOPEN_OK);
-    ck_assert_int_eq(mcanOpenReadSDOAsync(&request, NULL), MCAL_NO_NET);
+    ck_assert_int_eq(try_both(&good), MCAL_NO_NET);
     ck_assert_int_eq(api_config(plant, API_NODE(5)), MCANOPEN_OK);
-    ck_assert_int_eq(mcanOpenReadSDOAsync(&request, NULL), MCAL_NODE_NOT_FREE);
+    ck_assert_int_eq(try_both(&good), MCAL_NODE_NOT_FREE);
     ck_assert_int_eq(mcanOpenCancelSDO(0, 1), MCAL_NODE_NOT_FREE);
     mcanOpenStart();
-    ck_assert_int_eq(mcanOpenReadSDOAsync(NULL, NULL), MCAL_PARA_ERROR);
+    ck_assert_int_eq(try_both(NULL), MCAL_PARA_ERROR);
     ck_assert_int_eq(mcanOpenCancelSDO(-1, 1), MCAL_PARA_ERROR);
     ck_assert_int_eq(mcanOpenCancelSDO(1, 1), MCAL_NO_NET);
     ck_assert_int_eq(mcanOpenCancelSDO(0, 1), MCAL_NO_EVENT);
     request.size--;
-    ck_assert_int_eq(mcanOpenReadSDOAsync(&request, NULL), MCAL_PARA_ERROR);
-    request = reading(5, 0x2001, 1);
+    ck_assert_int_eq(try_both(&request), MCAL_PARA_ERROR);
+    request = good;
     request.done = NULL;
-    ck_assert_int_eq(mcanOpenReadSDOAsync(&request, NULL), MCAL_PARA_ERROR);
-    request = reading(5, 0x2001, 1);
+    ck_assert_int_eq(try_both(&request), MCAL_PARA_ERROR);
+    request = good;
     request.net = 9;
-    ck_assert_int_eq(mcanOpenReadSDOAsync(&request, NULL), MCAL_NO_NET);
+    ck_assert_int_eq(try_both(&request), MCAL_NO_NET);
     ck_assert_int_eq(mcanOpenCleanup(), MCANOPEN_OK);
     ck_assert_uint_eq(ends.count, 0);
 }
@@ -276,18 +286,18 @@ END_TEST
 
 START_TEST(there_is_an_end_of_room_and_room_again)
 {
-    const SDO_REQUEST_T request = reading(7, 0x2000, 4);
+    const SDO_REQUEST_T request = writing(7, 0x2000, TYP_UINT32, "ABCD", 4);
     unsigned number;
 
     boot();
     for (unsigned i = 0; i < MCANOPEN_SDO_REQUESTS; i++)
         number = read_async(7, 0x2000, 4);
-    ck_assert_int_eq(mcanOpenReadSDOAsync(&request, NULL), MCAL_SDO_QUEUE_FULL);
+    ck_assert_int_eq(try_both(&request), MCAL_SDO_QUEUE_FULL);
     ck_assert_int_eq(mcanOpenCancelSDO(0, number), MCANOPEN_OK);
     wait_for_ends(1);
     ck_assert_int_eq(ends.list[0].result.result, MCAL_SDO_CANCELLED);
     read_async(7, 0x2000, 4);
-    ck_assert_int_eq(mcanOpenReadSDOAsync(&request, NULL), MCAL_SDO_QUEUE_FULL);
+    ck_assert_int_eq(try_both(&request), MCAL_SDO_QUEUE_FULL);
 }
 END_TEST
 
@@ -409,11 +419,12 @@ static void ask_again(void *context, const SDO_RESULT_T *result)
 
 START_TEST(done_may_ask_again_but_not_wait)
 {
+    const MCANOPEN_SDO_DONE_T done = ask_again;
     SDO_REQUEST_T request = reading(5, 0x2001, 1);
     unsigned left = 20;
 
     boot();
-    request.done = ask_again;
+    request.done = done;
     request.context = &left;
     ck_assert_int_eq(mcanOpenReadSDOAsync(&request, NULL), MCANOPEN_OK);
     wait_for_ends(1);

@@ -547,7 +547,8 @@ enum {
     MCANOPEN_STEP_FAILED = 11,      /* will not try again by itself */
     MCANOPEN_STEP_CHECK_STATE = 12, /* between IDENTITY and CHECK_CONFIGURATION: is it running? */
     MCANOPEN_STEP_CHECK_SOFTWARE = 13, /* behind that; 1F56h */
-    MCANOPEN_STEP_UPDATE_SOFTWARE = 14
+    MCANOPEN_STEP_UPDATE_SOFTWARE = 14,
+    MCANOPEN_STEP_RESTORE = 15 /* 1011h, between CHECK_CONFIGURATION and CONFIGURE */
 };
 
 /* How the boot of a node goes or went. */

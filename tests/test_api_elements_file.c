@@ -127,6 +127,18 @@ START_TEST(save_configuration)
 }
 END_TEST
 
+/* The device restores its values, and starts anew for that. */
+START_TEST(restore_configuration)
+{
+    api_wire_answer(wire, "607#23111001", "587#6011100100000000");
+    api_wire_answer(wire, "000#8107", "707#00");
+    api_wire_answer(wire, "607#2F002000", "587#6000200000000000");
+    boot_with(NUMBER, API_NODE_WITH(7, DCF "<Restore_Configuration>1</Restore_Configuration>"));
+    ck_assert_uint_eq(api_wire_count(wire, "607#231110016C6F6164"), 1);
+    ck_assert_uint_eq(api_wire_count(wire, "000#8107"), 1);
+}
+END_TEST
+
 /* The device has the value already. */
 START_TEST(verify_configuration)
 {
@@ -159,6 +171,7 @@ int main(void)
     tcase_add_test(tests, sdo_segmented_size_indication);
     tcase_add_test(tests, sdo_block_size);
     tcase_add_test(tests, save_configuration);
+    tcase_add_test(tests, restore_configuration);
     tcase_add_test(tests, verify_configuration);
     tcase_add_test(tests, configuration_date_and_time);
     return suite_run("api_elements_file", tests);

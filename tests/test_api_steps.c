@@ -55,6 +55,7 @@ static const struct row {
     { DCF "<Configuration_Date>1</Configuration_Date><Configuration_Time>1</Configuration_Time>",
       "607#40201001", MCANOPEN_STEP_CHECK_CONFIGURATION },
     { DCF, "607#2F002000", MCANOPEN_STEP_CONFIGURE },
+    { "<Restore_Configuration>1</Restore_Configuration>", "607#23111001", MCANOPEN_STEP_RESTORE },
     { DCF "<Save_Configuration>TRUE</Save_Configuration>", "607#23101001", MCANOPEN_STEP_SAVE },
     { "<NMT_Verify_Software>TRUE</NMT_Verify_Software>"
       "<Software_Identification>2</Software_Identification>",

@@ -89,7 +89,7 @@ static bool is_configuration(uint16_t index, uint8_t sub)
     if (index == 0x1F80 || index == 0x1F89)
         return true;
     return sub != 0 && (index == 0x1016 || index == 0x1F21 || index == 0x1F26 || index == 0x1F27 ||
-                        index == 0x1F55 || index == 0x1F81 || (index >= 0x1F84 && index <= 0x1F88));
+                        index == 0x1F55 || index == 0x1F81 || (index >= 0x1F84 && index <= 0x1F8A));
 }
 
 static bool is_domain(uint16_t index, uint8_t sub)
@@ -163,6 +163,9 @@ START_TEST(test_assignment)
     ck_assert_uint_eq(filled(0x1F81, 5), 0x38);
     nodes[0].allow_software_update = true;
     ck_assert_uint_eq(filled(0x1F81, 5), 0x78);
+    nodes[0].restore = true;
+    ck_assert_uint_eq(filled(0x1F81, 5), 0xF8);
+    nodes[0].restore = false;
     nodes[0].life_time_factor = 0xA5;
     ck_assert_uint_eq(filled(0x1F81, 5), 0xA578);
     nodes[0].guard_time = 0xFEDC;

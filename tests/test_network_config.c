@@ -188,6 +188,7 @@ START_TEST(test_more_node_values)
              "<SDO_Timeout>1000</SDO_Timeout>"
              "<SDO_Segmented_Size_Indication>FALSE</SDO_Segmented_Size_Indication>"
              "<Save_Configuration>TRUE</Save_Configuration>"
+             "<Restore_Configuration>3</Restore_Configuration>"
              "<Configuration_Date>9000</Configuration_Date>"
              "<Configuration_Time>43200000</Configuration_Time>"));
     const struct node_config *node = &config->nodes[0];
@@ -198,6 +199,8 @@ START_TEST(test_more_node_values)
     ck_assert_uint_eq(node->sdo_timeout, 1000);
     ck_assert(!node->indicate_size);
     ck_assert(node->save_configuration);
+    ck_assert(node->restore);
+    ck_assert_uint_eq(node->restore_sub, 3);
     ck_assert_uint_eq(node->configuration_date, 9000);
     ck_assert_uint_eq(node->configuration_time, 43200000);
     network_config_free(config, 1);

@@ -89,6 +89,7 @@ static const char *step_text(unsigned step)
         [MCANOPEN_STEP_CHECK_STATE] = "check of the state",
         [MCANOPEN_STEP_CHECK_SOFTWARE] = "check of the software",
         [MCANOPEN_STEP_UPDATE_SOFTWARE] = "software update",
+        [MCANOPEN_STEP_RESTORE] = "restore",
     };
 
     return step < sizeof texts / sizeof texts[0] ? texts[step] : "unknown";

@@ -23,7 +23,7 @@ bool boot_node_is_in_mid_boot(const struct boot_node *self)
 {
     return boot_node_is_booted_by_master(self) && self->config->auto_start_slave &&
            ((self->step >= BOOT_DEVICE_TYPE && self->step <= BOOT_ERROR_CONTROL) ||
-            self->step == BOOT_CHECK_SOFTWARE);
+            self->step == BOOT_CHECK_SOFTWARE || self->step == BOOT_RESTORE);
 }
 
 enum nmt_command boot_node_reset_command(const struct boot_node *self)
@@ -108,6 +108,7 @@ void boot_node_succeed(struct boot_node *self, co_us_t now, struct co_outbox *ou
     self->reset_repeated = false;
     self->attempts = 0;
     self->software.tries = 0;
+    self->restoring = RESTORE_TO_COME;
     self->failure = (struct boot_failure){ .letter = 0 };
     self->history.booted_at = now;
     self->told = self->failure;
@@ -299,6 +300,7 @@ static void (*const on_answer[])(struct boot_node *self, bool ok, co_us_t now,
     [BOOT_SAVE] = configure_node_on_done,
     [BOOT_CHECK_SOFTWARE] = software_on_check,
     [BOOT_UPDATE_SOFTWARE] = software_on_update,
+    [BOOT_RESTORE] = configure_node_on_done,
 };
 
 void boot_node_on_sdo(struct boot_node *self, co_us_t now, struct co_outbox *out)
@@ -343,6 +345,7 @@ void boot_node_stop(struct boot_node *self)
     self->request_due = false;
     self->attempts = 0;
     self->software.tries = 0;
+    self->restoring = RESTORE_TO_COME;
     self->nmt_state = NMT_INITIALISING;
     supervision_forget(&self->supervision);
     self->told = (struct boot_failure){ .letter = 0 };
@@ -432,7 +435,7 @@ static void on_reset_time(struct boot_node *self, co_us_t now, struct co_outbox 
                                               self->config->node_id);
 
     if (!self->reset_due) {
-        boot_node_begin(self, now, out);
+        configure_node_on_restart(self, now, out);
         return;
     }
     if (!co_outbox_room(out, 1, 0))

@@ -16,6 +16,9 @@
  * hands the result back with boot_node_on_sdo(). Steps for which nothing is configured are passed
  * at once.
  *
+ *   RESTORE, where a node is to have its default values first, stands before CONFIGURE, and goes
+ *   back to RESET.
+ *
  *   (*) CHECK_STATE, then CHECK_SOFTWARE and UPDATE_SOFTWARE (software.h), stand behind IDENTITY
  *
  *   owner    boot_network
@@ -36,6 +39,7 @@
 #define BOOT_READ_TRIES     3u           /* of a read that gets no answer */
 #define BOOT_RETRY_INTERVAL CO_MS(1000)  /* CiA 302-2: until the next attempt */
 #define BOOT_FLASH_TIMEOUT  CO_MS(10000) /* for objects that make a device write its flash */
+#define BOOT_RESTORE_LIMIT  CO_MS(10000) /* for the boot-up message of a device that was restored */
 
 /* Values are those of MCANOPEN_STEP_... */
 enum boot_step {
@@ -53,7 +57,16 @@ enum boot_step {
     BOOT_FAILED = 11,
     BOOT_CHECK_STATE = 12,    /* of a node to be kept alive, behind IDENTITY */
     BOOT_CHECK_SOFTWARE = 13, /* behind that */
-    BOOT_UPDATE_SOFTWARE = 14
+    BOOT_UPDATE_SOFTWARE = 14,
+    BOOT_RESTORE = 15 /* between CHECK_CONFIGURATION and CONFIGURE; then RESET, and all anew */
+};
+
+/* A node is given its default values once before it boots, however often it has to be tried. */
+enum restoring {
+    RESTORE_TO_COME,
+    RESTORE_ORDERED, /* it was told, and is reset; its boot-up message has not come */
+    RESTORE_LATE,    /* ... not even in the boot delay */
+    RESTORE_DONE
 };
 
 /* A stopped node has no SDO: without heartbeat it looks absent until a reset has reached it. */
@@ -91,8 +104,9 @@ struct boot_node {
     struct ccf_reader reader;
     struct ccf_entry entry; /* being written, or compared before */
     uint32_t entry_number;
-    uint32_t written; /* entries, where they are compared before */
-    bool unsaved;     /* it was written to since it has saved its configuration last */
+    uint32_t written;  /* entries, where they are compared before */
+    uint8_t restoring; /* enum restoring */
+    bool unsaved;      /* it was written to since it has saved its configuration last */
     struct verify verify;
     struct software_update software;
     struct supervision supervision;

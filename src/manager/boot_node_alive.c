@@ -11,6 +11,8 @@ void boot_node_on_boot_up(struct boot_node *self, const struct co_frame *frame, 
 
     self->nmt_state = is_watched_only ? NMT_PREOPERATIONAL : NMT_INITIALISING;
     self->reset_heard = true;
+    if (self->step == BOOT_RESET && self->restoring == RESTORE_LATE)
+        self->deadline = now;
     self->attempts = 0;
     if (self->stopped == NODE_STOPPED_AND_RESET) /* else the stop may have come after it */
         self->stopped = NODE_NOT_STOPPED;

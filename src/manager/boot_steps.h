@@ -33,6 +33,8 @@ void boot_node_enter_error_control(struct boot_node *self, co_us_t now, struct c
 /* configure_node.c: CHECK_CONFIGURATION, CONFIGURE and SAVE (CiA 302-3); on to error control */
 void configure_node_enter(struct boot_node *self, co_us_t now, struct co_outbox *out);
 void configure_node_on_check(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out);
+/* The boot delay after a reset is over. */
+void configure_node_on_restart(struct boot_node *self, co_us_t now, struct co_outbox *out);
 void configure_node_on_done(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out);
 
 /* software.c: CHECK_SOFTWARE, on to the configuration, and UPDATE_SOFTWARE, on to a new boot */

@@ -22,6 +22,7 @@ static const char *const step_texts[] = {
     [BOOT_SAVE] = "saves its configuration",
     [BOOT_CHECK_STATE] = "asks for its state, it is to be kept alive",
     [BOOT_CHECK_SOFTWARE] = "checks its software",
+    [BOOT_RESTORE] = "restores its default values",
 };
 
 static void add_software(struct text *text, const struct node_config *node,
@@ -310,6 +311,7 @@ static const char *const wait_texts[] = {
     [BOOT_CHECK_STATE] = "waits for it to tell its state",
     [BOOT_CHECK_SOFTWARE] = "waits for the answer to 1F56h",
     [BOOT_UPDATE_SOFTWARE] = "gets its program",
+    [BOOT_RESTORE] = "restores its default values",
 };
 
 static const char *waits_for(const struct boot_node *node)

@@ -109,22 +109,39 @@ const char *text_file_of(const struct node_config *config)
     return config->ccf_file ? config->ccf_file : "the configuration";
 }
 
+static void add_command_failure(struct text *text, const struct node_config *config,
+                                const struct boot_failure *failure)
+{
+    const char *signature = failure->step == BOOT_RESTORE ? "load" : "save";
+
+    if (failure->step == BOOT_RESTORE && failure->expected != 0) {
+        text_add(text, "no boot-up message within %u ms after %04Xh:%02X \"load\" and its reset",
+                 failure->expected, failure->index, failure->sub);
+        return;
+    }
+    text_add(text, "write %04Xh:%02X \"%s\": ", failure->index, failure->sub, signature);
+    add_outcome(text, config, failure);
+}
+
 static void add_write_failure(struct text *text, const struct node_config *config,
                               const struct boot_failure *failure)
 {
+    if (!failure->entry) {
+        add_command_failure(text, config, failure);
+        return;
+    }
     text_add(text, "write ");
     text_add_object(text, failure->index, failure->sub);
-    if (failure->entry && failure->size >= 1 && failure->size <= 4)
+    if (failure->size >= 1 && failure->size <= 4)
         text_add(text, " = %0*Xh", 2 * failure->size, failure->expected);
-    else if (failure->entry)
+    else
         text_add(text, " (%u%s bytes)", failure->size,
                  failure->size == UINT8_MAX ? " or more" : "");
-    if (failure->entry)
-        text_add(text, " (entry %u of %u of %s", failure->entry, ccf_count(&config->ccf),
-                 text_file_of(config));
-    if (failure->entry && ccf_line(&config->ccf, failure->entry))
+    text_add(text, " (entry %u of %u of %s", failure->entry, ccf_count(&config->ccf),
+             text_file_of(config));
+    if (ccf_line(&config->ccf, failure->entry))
         text_add(text, ", line %u", ccf_line(&config->ccf, failure->entry));
-    text_add(text, failure->entry ? "): " : " \"save\": ");
+    text_add(text, "): ");
     add_outcome(text, config, failure);
 }
 

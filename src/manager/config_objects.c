@@ -93,12 +93,13 @@ static uint32_t slave_assignment(const struct node_config *node)
            (node->mandatory ? SLAVE_MANDATORY : 0) | (node->check_node_state ? SLAVE_KEPT : 0) |
            (node->verify_software ? SLAVE_VERIFIED : 0) |
            (node->allow_software_update ? SLAVE_UPDATED : 0) |
-           (uint32_t)node->life_time_factor << 8 | (uint32_t)node->guard_time << 16;
+           (node->restore ? SLAVE_RESTORED : 0) | (uint32_t)node->life_time_factor << 8 |
+           (uint32_t)node->guard_time << 16;
 }
 
 static sdo_abort_t set_slave_assignment(struct node_config *node, uint32_t value)
 {
-    if ((value & (SLAVE_RESERVED | SLAVE_RESTORED)) != 0)
+    if ((value & SLAVE_RESERVED) != 0)
         return SDO_INVALID_VALUE;
     node->nmt_slave = (value & SLAVE_LISTED) != 0;
     node->auto_start_slave = (value & SLAVE_BOOTED) != 0;
@@ -106,8 +107,24 @@ static sdo_abort_t set_slave_assignment(struct node_config *node, uint32_t value
     node->check_node_state = (value & SLAVE_KEPT) != 0;
     node->verify_software = (value & SLAVE_VERIFIED) != 0;
     node->allow_software_update = (value & SLAVE_UPDATED) != 0;
+    node->restore = (value & SLAVE_RESTORED) != 0;
     node->life_time_factor = (uint8_t)(value >> 8 & 0xFFu);
     node->guard_time = (uint16_t)(value >> 16);
+    return SDO_OK;
+}
+
+/* --- 1F8Ah --- */
+
+static uint32_t restore_sub(const struct node_config *node)
+{
+    return node->restore_sub;
+}
+
+static sdo_abort_t set_restore_sub(struct node_config *node, uint32_t value)
+{
+    if (value > RESTORE_SUB_MAX)
+        return SDO_INVALID_VALUE;
+    node->restore_sub = (uint8_t)value;
     return SDO_OK;
 }
 
@@ -149,6 +166,7 @@ static const struct node_object {
     { 0x1F86, OD_UNSIGNED32, MEMBER(product_code), NULL, NULL },
     { 0x1F87, OD_UNSIGNED32, MEMBER(revision_number), NULL, NULL },
     { 0x1F88, OD_UNSIGNED32, MEMBER(serial_number), NULL, NULL },
+    { 0x1F8A, OD_UNSIGNED8, 0, restore_sub, set_restore_sub },
 };
 
 static const struct node_object *find_object(uint16_t index)

@@ -3,6 +3,10 @@
 #include "base/bytes.h"
 
 static const uint8_t save_signature[4] = { 's', 'a', 'v', 'e' };
+static const uint8_t load_signature[4] = { 'l', 'o', 'a', 'd' };
+
+#define RESTORE_PARAMETERS 0x1011u
+#define COMMUNICATION      2u /* sub-index of it: only 1000h..1FFFh, which a reset of them loads */
 
 co_us_t configure_node_timeout(const struct node_config *config, uint16_t index)
 {
@@ -111,6 +115,71 @@ static void enter_configure(struct boot_node *self, co_us_t now, struct co_outbo
     do_next_entry(self, now, out);
 }
 
+/* --- its default values first --- */
+
+/* One that is to be restored is, unless it just was, or nobody boots it behind its reset. */
+static void enter_restore(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    const struct ccf_entry load = { .index = RESTORE_PARAMETERS,
+                                    .sub = self->config->restore_sub,
+                                    .size = sizeof load_signature,
+                                    .value = load_signature };
+
+    if (!self->config->restore || load.sub == 0 || !self->config->auto_start_slave ||
+        self->restoring != RESTORE_TO_COME) {
+        enter_configure(self, now, out);
+        return;
+    }
+    boot_node_enter(self, BOOT_RESTORE, out);
+    write_object(self, &load);
+}
+
+/* The default values come with a reset. */
+static void on_load_ordered(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    const bool communication = self->config->restore_sub == COMMUNICATION;
+
+    self->restoring = RESTORE_ORDERED;
+    boot_node_reset(self, communication ? NMT_RESET_COMMUNICATION : NMT_RESET_NODE, now, out);
+}
+
+static void fail_restore(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    const struct boot_failure silent = { .letter = 'J',
+                                         .step = BOOT_RESTORE,
+                                         .outcome = SDO_OUTCOME_NO_ANSWER,
+                                         .index = RESTORE_PARAMETERS,
+                                         .sub = self->config->restore_sub,
+                                         .expected = (uint32_t)(BOOT_RESTORE_LIMIT / CO_MS(1)) };
+
+    boot_node_fail(self, &silent, now, out);
+}
+
+static bool is_restored(const struct boot_node *self)
+{
+    return self->restoring == RESTORE_ORDERED || self->restoring == RESTORE_LATE;
+}
+
+/* A device that restores its values may take longer than the boot delay. */
+void configure_node_on_restart(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    const bool awaited = is_restored(self) && !self->reset_heard;
+
+    if (awaited && self->restoring == RESTORE_ORDERED) {
+        self->restoring = RESTORE_LATE;
+        self->deadline = now + BOOT_RESTORE_LIMIT;
+        return;
+    }
+    if (is_restored(self))
+        self->restoring = RESTORE_DONE;
+    if (awaited)
+        fail_restore(self, now, out);
+    else
+        boot_node_begin(self, now, out);
+}
+
+/* --- only if it is not there yet --- */
+
 /*
  * What 1020h should say: from the network's file, else what the configuration itself writes there.
  */
@@ -131,7 +200,7 @@ static uint32_t expected_1020(const struct boot_node *self, uint8_t sub)
 void configure_node_enter(struct boot_node *self, co_us_t now, struct co_outbox *out)
 {
     if (expected_1020(self, 1) == 0 || expected_1020(self, 2) == 0) {
-        enter_configure(self, now, out);
+        enter_restore(self, now, out);
         return;
     }
     boot_node_enter(self, BOOT_CHECK_CONFIGURATION, out);
@@ -145,7 +214,7 @@ void configure_node_on_check(struct boot_node *self, bool ok, co_us_t now, struc
     if (ok)
         boot_node_tell_read(self, out);
     if (!ok || boot_node_number_read(self) != expected_1020(self, self->part)) {
-        enter_configure(self, now, out);
+        enter_restore(self, now, out);
         return;
     }
     if (self->part == 1) {
@@ -171,8 +240,9 @@ void boot_node_configure(struct boot_node *self, co_us_t now, struct co_outbox *
     self->start_again = runs;
     self->kept_alive = false;
     self->attempts = 0;
+    self->restoring = RESTORE_TO_COME;
     supervision_stop(&self->supervision);
-    enter_configure(self, now, out);
+    enter_restore(self, now, out);
 }
 
 static void on_compared(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out)
@@ -195,6 +265,8 @@ void configure_node_on_done(struct boot_node *self, bool ok, co_us_t now, struct
         on_compared(self, ok, now, out);
     else if (!ok)
         boot_node_fail_request(self, 'J', now, out);
+    else if (self->step == BOOT_RESTORE)
+        on_load_ordered(self, now, out);
     else if (self->step == BOOT_CONFIGURE)
         do_next_entry(self, now, out);
     else

@@ -150,6 +150,7 @@ static void read_node(const xmlNode *node, struct node_config *config, struct un
     read_until_inner(node->children, &scope, faults);
     config->file_line = valid_line(&scope, config->dcf_file ? "DCF_File" : "CCF_File");
     config->software_line = valid_line(&scope, "Software_File");
+    config->restore = config->restore_sub != 0;
     check_node(config, &scope.lines, unique, faults);
 }
 

@@ -58,6 +58,8 @@ struct node_config {
     uint16_t sdo_timeout;        /* ms, not 0 */
     bool indicate_size;          /* SDO_Segmented_Size_Indication */
     bool save_configuration;     /* ours */
+    bool restore;                /* 1F81h bit 7: restored by 1011h before it is configured ... */
+    uint8_t restore_sub;         /* ... by this sub-index; 0: not */
     uint32_t configuration_date; /* ours; 0: not given */
     uint32_t configuration_time;
     uint32_t software_identification; /* ours, like the next three; 0: not compared */

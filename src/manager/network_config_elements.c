@@ -81,6 +81,7 @@ static const struct element node_rows[] = {
     { "SDO_Segmented_Size_Indication", BOOL(true), NODE(indicate_size) },
     { "SDO_Block_Size", NUMBER(0, 127, 0), NODE(sdo_block_size) },          /* ours */
     { "Save_Configuration", BOOL(false), NODE(save_configuration) },        /* ours */
+    { "Restore_Configuration", NUMBER(0, 127, 0), NODE(restore_sub) },      /* ours, 1F8Ah */
     { "Verify_Configuration", BOOL(false), NODE(verify_configuration) },    /* ours */
     { "Configuration_Date", ULONG(0), NODE(configuration_date) },           /* ours, 1F26h */
     { "Configuration_Time", ULONG(0), NODE(configuration_time) },           /* ours, 1F27h */

@@ -213,6 +213,52 @@ START_TEST(test_restarted_node_is_configured)
 }
 END_TEST
 
+/* It restarts twice, the second time unheard by anybody, and runs: that is asked, not assumed. */
+START_TEST(test_restart_that_nobody_hears)
+{
+    struct plant *plant = make_plant(kept_alive[0].xml, true, 200);
+
+    plant_power_on(plant);
+    plant_run_ms(plant, 1500);
+    plant_power(plant, 5, false);
+    plant_power(plant, 5, true);
+    plant_run_ms(plant, 0);
+    sim_run(&plant->sim, plant->sim.now + 150); /* the boot-up message is heard, no more */
+    ck_assert_int_eq(plant_node(plant, 5)->step, BOOT_DEVICE_TYPE);
+    plant->devices[5]->sim->unplugged = true;
+    plant_run_ms(plant, 1000);
+    ck_assert(plant_said(plant, "boot error B"));
+    plant_power(plant, 5, false);
+    plant_power(plant, 5, true);
+    plant_run_ms(plant, 1000);
+    plant->devices[5]->sim->unplugged = false;
+    plant_run_ms(plant, 3000);
+    ck_assert_uint_eq(plant_said_times(plant, "kept alive (L)"), 2);
+    ck_assert_uint_eq(plant_sent(plant, "605#2"), 0);
+    ck_assert_uint_eq(plant_sent(plant, "000#"), 0);
+    plant_free(plant);
+}
+END_TEST
+
+/* Its last heartbeat says that it runs; it has been asked in vain since, and that is no matter. */
+START_TEST(test_heartbeat_of_before)
+{
+    struct plant *plant = make_plant(
+        PLANT_NODE(5, KEPT_ALIVE "<Consumer_Heartbeat_Time>5000</Consumer_Heartbeat_Time>"), true,
+        60000);
+
+    plant_lie(plant, "605#40001000", NULL, 3);
+    plant_power_on(plant);
+    plant_run_ms(plant, 500);
+    sim_say(&plant->sim, "705#05");
+    plant_run_ms(plant, 2000);
+    ck_assert(plant_said(plant, "boot error B"));
+    ck_assert(plant_said(plant, "node 5: is running already: kept alive (L)"));
+    ck_assert_uint_eq(plant_sent(plant, "000#"), 0);
+    plant_free(plant);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tcase = tcase_create("guarded_nodes");
@@ -227,5 +273,7 @@ int main(void)
     tcase_add_loop_test(tcase, test_state_that_nobody_tells, 0, 2);
     tcase_add_test(tcase, test_kept_alive_after_loss);
     tcase_add_test(tcase, test_restarted_node_is_configured);
+    tcase_add_test(tcase, test_restart_that_nobody_hears);
+    tcase_add_test(tcase, test_heartbeat_of_before);
     return suite_run("guarded_nodes", tcase);
 }

@@ -113,6 +113,23 @@ START_TEST(test_given_up)
 }
 END_TEST
 
+/* The device is replaced by an old one, again and again in the life of a plant: each is updated. */
+START_TEST(test_replaced_often)
+{
+    struct loader loader;
+
+    loader_make(&loader, LOADER_UPDATE);
+    for (unsigned i = 1; i <= 4; i++) {
+        loader_run(&loader, 5000);
+        loader_expect_updated(&loader, "replaced");
+        ck_assert_uint_eq(loader.programs, i);
+        loader.id = LOADER_OLD;
+        loader_restart(&loader, 100);
+    }
+    plant_free(loader.plant);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tcase = tcase_create("software_restart");
@@ -121,5 +138,6 @@ int main(void)
     tcase_add_loop_test(tcase, test_restart_while_asked, 0, sizeof asked / sizeof asked[0]);
     tcase_add_loop_test(tcase, test_restart_in_download, 0, 2);
     tcase_add_test(tcase, test_given_up);
+    tcase_add_test(tcase, test_replaced_often);
     return suite_run("software_restart", tcase);
 }

@@ -212,6 +212,42 @@ START_TEST(test_another_wrong_device)
 }
 END_TEST
 
+/* It has booted since: the same failure is news again. */
+START_TEST(test_same_failure_after_a_boot)
+{
+    struct plant *plant = make_plant(PLANT_NODE(5, VENDOR));
+
+    plant_lie(plant, "605#4018", "585#8018100122000008", 1);
+    plant_power_on(plant);
+    plant_run_ms(plant, 2000);
+    ck_assert(plant_node(plant, 5)->booted);
+    plant->lies[0].times = 1;
+    plant_power(plant, 5, false);
+    plant_power(plant, 5, true);
+    plant_run_ms(plant, 2000);
+    ck_assert(plant_node(plant, 5)->booted);
+    ck_assert_uint_eq(plant_said_times(plant, "boot error D"), 2);
+    plant_free(plant);
+}
+END_TEST
+
+/* A step is told when it begins, and each answer, but not each question. */
+START_TEST(test_identity)
+{
+    struct plant *plant = make_plant(
+        PLANT_NODE(5, VENDOR "<Product_Code>1</Product_Code><Serial_Number>5</Serial_Number>"));
+
+    plant_power_on(plant);
+    plant_run_ms(plant, 500);
+    ck_assert_uint_eq(plant_said_times(plant, "checks its identity"), 1);
+    expect_said(plant, "node 5: 1000h:00 device type is 00020192h");
+    expect_said(plant, "node 5: 1018h:01 vendor-ID is 0000029Ah");
+    expect_said(plant, "node 5: 1018h:02 product code is 00000001h");
+    expect_said(plant, "node 5: 1018h:04 serial number is 00000005h");
+    plant_free(plant);
+}
+END_TEST
+
 /* --- ways to fail that are rare --- */
 
 /* An answer with the toggle bit of another segment. */
@@ -355,6 +391,8 @@ int main(void)
     tcase_add_test(tcase, test_number_of_tries);
     tcase_add_test(tcase, test_each_difference);
     tcase_add_test(tcase, test_another_wrong_device);
+    tcase_add_test(tcase, test_same_failure_after_a_boot);
+    tcase_add_test(tcase, test_identity);
     tcase_add_test(tcase, test_wrong_toggle_bit);
     tcase_add_test(tcase, test_nothing_gets_out);
     tcase_add_loop_test(tcase, test_refused_write, 0, (int)(sizeof writtens / sizeof *writtens));

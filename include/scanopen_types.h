@@ -74,7 +74,7 @@ typedef struct {
     unsigned long ulOptions;    /* the flags below */
     const char *pNetName;       /* for messages; may be NULL */
     unsigned short usBaudrate;  /* kbit/s: 10, 20, 50, 100, 125, 250, 500, 800 or 1000, or: */
-    unsigned short usDebugMask; /* trace classes, in builds with tracing */
+    unsigned short usDebugMask; /* as the high word of Debug_Mask, docs/network-xml.md */
     short sPrioNMT;             /* thread priorities, used with THREAD_PRIOS_OVERWRITE: */
     short sPrioSDO;             /* 0 (lowest) .. 31, or, with THREAD_PRIOS_NATIVE, */
     short sPrioPDO;             /* 1..99 of SCHED_FIFO and 0 for the normal scheduler */

@@ -2,6 +2,7 @@
 
 #include "api/event_map.h"
 #include "api/log.h"
+#include "api/trace.h"
 #include "manager/boot_text.h"
 
 #include <stdio.h>
@@ -36,9 +37,12 @@ void control_on_event(void *context, struct network *network, const struct co_ev
     struct managed *managed = context;
     struct log_event line = { managed, *event };
     EVENT_T events[EVENT_MAP_MAX];
-    unsigned count = event_map(managed->config, event, events);
+    unsigned count;
 
     (void)network;
+    if (event->type == RUNTIME_FRAME && !trace_wanted(managed->config, event))
+        return;
+    count = event_map(managed->config, event, events);
     for (unsigned i = 0; i < count; i++)
         event_queue_put(&managed->registry->events, &events[i]);
     if (event->type != MANAGER_REQUEST_DONE)
@@ -112,6 +116,18 @@ static bool manager_text(const struct log_event *line, enum co_severity *ret_sev
     return is_news;
 }
 
+/* False: nothing is to be said. */
+static bool make_text(const struct log_event *line, enum co_severity *ret_severity, char *text,
+                      size_t size)
+{
+    if (line->event.type != RUNTIME_FRAME)
+        return control_bus_text(line->managed->network, &line->event, text, size) ||
+               manager_text(line, ret_severity, text, size);
+    *ret_severity = CO_INFO;
+    trace_text(&line->event, text, size);
+    return true;
+}
+
 /* Which network a message is about, where that is not clear by itself. */
 static const char *name_of(const struct managed *managed)
 {
@@ -127,8 +143,7 @@ static void log_line(const struct log_event *line)
     char text[CO_REPORT_TEXT_SIZE], full[CO_REPORT_TEXT_SIZE + 64];
     enum co_severity severity = CO_WARNING;
 
-    if (!control_bus_text(managed->network, &line->event, text, sizeof text) &&
-        !manager_text(line, &severity, text, sizeof text))
+    if (!make_text(line, &severity, text, sizeof text))
         return;
     snprintf(full, sizeof full, "%.63s%s%s", name, name[0] ? " " : "", text);
     log_put(severity, full);

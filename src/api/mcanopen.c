@@ -75,6 +75,8 @@ static enum co_err take_place(struct managed *self, char *message, size_t size)
         return CO_ERR_VALUE;
     }
     self->placed = true;
+    if (self->config->debug_mask != 0)
+        network_trace(self->network);
     return network_set_manager(self->network, node, self->manager);
 }
 

@@ -42,6 +42,7 @@ struct scan_net {
     int number;
     struct network *network;
     unsigned long options; /* of SLAVE_NET_INFO */
+    unsigned debug_mask;   /* likewise */
     unsigned nodes;        /* under the change lock of scan.c */
     uint8_t bus_state;     /* as told last; under the network's lock */
     struct daemon nmt, pdo, sdo, emcy;

@@ -3,6 +3,7 @@
 #include "api/control.h"
 #include "api/log.h"
 #include "api/scan.h"
+#include "api/trace.h"
 
 #include <stdio.h>
 
@@ -206,6 +207,11 @@ void scan_on_net_event(void *context, struct network *network, const struct co_e
 {
     struct scan_net *net = context;
 
+    if (event->type == RUNTIME_FRAME) {
+        if (trace_wanted_by(net->debug_mask, event))
+            put_news(net, event);
+        return;
+    }
     if (!network_has_manager(network)) /* whose daemon logs it */
         put_news(net, event);
     if (event->type == RUNTIME_BUS_STATE)
@@ -227,6 +233,11 @@ static void log_news(const struct scan_net *net, const struct co_event *news)
 {
     char text[CO_REPORT_TEXT_SIZE], full[CO_REPORT_TEXT_SIZE + 64];
 
+    if (news->type == RUNTIME_FRAME) {
+        trace_text(news, text, sizeof text);
+        log_put(CO_INFO, text);
+        return;
+    }
     if (news->type == SLAVE_EMCY_LOST)
         snprintf(text, sizeof text, "node %u: %u emergencies not sent: too many wait already",
                  news->node, (unsigned)news->actual);

@@ -195,6 +195,8 @@ static int open_and_start(struct scan_net *net, const SLAVE_NET_INFO *info,
     started = start_daemons(net);
     if (started == DAEMONS && network_run(net->network) == CO_OK) {
         set_priorities(net, priorities);
+        if (net->debug_mask != 0)
+            network_trace(net->network);
         return SCANOPEN_OK;
     }
     stop_daemons(net, started);
@@ -217,6 +219,7 @@ static int create_network(int number, const SLAVE_NET_INFO *info)
         return SCANOPEN_OUT_OF_MEMORY;
     net->number = number;
     net->options = info->ulOptions;
+    net->debug_mask = info->usDebugMask;
     result = open_and_start(net, info, &priorities);
     if (result == SCANOPEN_OK)
         scan_set_net(number, net);

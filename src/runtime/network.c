@@ -98,6 +98,8 @@ static bool receive_burst(struct network *self)
         self->now = rx.time;
         if (rx.lost)
             tell_frames_lost(self, rx.lost);
+        if (MCANOPEN_TRACE && !(rx.frame.flags & CO_FRAME_OWN))
+            network_trace_frame(self, &rx.frame, 0);
         deliver(self, &rx);
     }
     self->receive_fails = err != CO_OK && err != CO_ERR_AGAIN;

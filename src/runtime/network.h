@@ -25,7 +25,9 @@ enum runtime_event {
     RUNTIME_FRAMES_LOST = 300, /* actual: received frames lost because we were too slow */
     RUNTIME_UNSENT,            /* actual: frames given up because the bus did not take them */
     RUNTIME_BUS_STATE,         /* detail: enum bus_state */
-    RUNTIME_BUSY               /* frames have to wait for the bus; told once */
+    RUNTIME_BUSY,              /* frames have to wait for the bus; told once */
+    RUNTIME_FRAME /* of network_trace(): code: identifier, index: length, sub: CO_FRAME_..., data;
+                     node: the device here that sends it, 0: received */
 };
 
 struct daemon;
@@ -46,6 +48,8 @@ struct network_options {
 /* Opens the bus; message gets a line on failure. Errors of bus_open(), CO_ERR_MEMORY. */
 enum co_err network_open(const struct network_options *options, struct network **ret_network,
                          char *message, size_t message_size);
+/* From now on each frame is told; in builds without MCANOPEN_TRACE it does nothing. */
+void network_trace(struct network *self);
 /* Ends what waits in network_wait(), now and from now on. */
 void network_shut(struct network *self);
 /* The same, and ends the thread: no event comes any more. */

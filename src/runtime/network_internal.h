@@ -56,9 +56,10 @@ struct network {
     unsigned losses;  /* of tx, as last seen */
     bool busy_told;
     bool receive_fails;
-    co_us_t refused_until;             /* 0: it takes frames */
-    enum bus_state bus_state;          /* as told */
-    unsigned outages;                  /* of the bus, as last seen */
+    co_us_t refused_until;    /* 0: it takes frames */
+    enum bus_state bus_state; /* as told */
+    unsigned outages;         /* of the bus, as last seen */
+    bool is_traced;
     bool has_events;                   /* since the last signal of changed */
     co_us_t last_frame;                /* time of the frame delivered last */
     co_us_t now;                       /* of the step or call under way */
@@ -92,6 +93,10 @@ void network_flush(struct network *self, co_us_t now);
 
 /* What a state of the bus is to a slave. */
 enum slave_bus network_slave_bus(enum bus_state state);
+
+/* network_trace.c */
+/* sender: node-ID of a device here, or 0. Call it where MCANOPEN_TRACE is not 0. */
+void network_trace_frame(struct network *self, const struct co_frame *frame, uint8_t sender);
 
 /* network_confirm.c */
 /* The device has put out this frame, and the bus or the queue has it. */

@@ -70,6 +70,8 @@ void network_drain(struct network *self, struct device *device)
     network_follow(self, device);
     while (co_outbox_take_frame(&self->out, &frame)) {
         frame.tag = device->node;
+        if (MCANOPEN_TRACE)
+            network_trace_frame(self, &frame, device->node);
         put_frame(self, &frame);
         network_expect(self, device, &frame);
     }

@@ -6,8 +6,8 @@
 
 mutants.txt lists them: what is broken, the test that has to notice, the text before and after. Each
 is compiled alone and linked with the named test program in front of the library; the named test
-must fail. A mutant that survives, or whose text is not there (once) any more, is an error. The last
-line is the sum of both.
+must fail, and pass without the fault. A mutant that survives, or whose text is not there (once) any
+more, is an error. The last line is the sum of both.
 """
 import json
 import os
@@ -103,9 +103,17 @@ def tests_failed(program):
     return set(FAILED.findall(done.stdout + done.stderr))
 
 
-def judge(mutant, build, sources):
+def tests_failed_before(programs, build, pool):
+    """By program: those of its tests that fail without any fault."""
+    names = [name for name in sorted(programs) if (build / "tests" / name).exists()]
+    return dict(zip(names, pool.map(lambda name: tests_failed(build / "tests" / name), names)))
+
+
+def judge(mutant, build, sources, failed_before):
     """None, or what is wrong."""
     try:
+        if mutant.test in failed_before.get(mutant.program, ()):
+            raise Bad(f"{mutant.program}:{mutant.test} fails without it, too")
         source, text = find(mutant, sources)
         with tempfile.TemporaryDirectory() as folder:
             mutated, program = Path(folder, source.name), Path(folder, mutant.program)
@@ -141,7 +149,8 @@ def main(arguments):
     sources = read_sources()
     begin = time.monotonic()
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        verdicts = list(pool.map(lambda m: judge(m, build, sources), mutants))
+        before = tests_failed_before({m.program for m in mutants}, build, pool)
+        verdicts = list(pool.map(lambda m: judge(m, build, sources, before), mutants))
     findings = [v for v in verdicts if v]
     print("\n".join(findings))
     print(f"mutants: {len(mutants)}, {time.monotonic() - begin:.1f} s")

@@ -81,6 +81,40 @@ START_TEST(test_guarded_node_is_seen_to_restart)
 }
 END_TEST
 
+/*
+ * Its default values are restored first, which takes a reset and three seconds: its boot-up message
+ * alone tells when it is there again, and it is waited for.
+ */
+static enum sim_fate restart_slowly(struct plant *plant, const struct co_frame *frame,
+                                    uint8_t sender)
+{
+    (void)sender;
+    if (frame->id == NMT_CAN_ID && frame->data[0] == NMT_RESET_NODE && frame->data[1] == 5)
+        plant->devices[5]->sim->hold_until = plant->sim.now + CO_MS(3000);
+    return SIM_DELIVER;
+}
+
+START_TEST(test_guarded_node_is_restored)
+{
+    struct plant *plant = make_plant(
+        PLANT_NODE(5, GUARDED KEPT_ALIVE "<Restore_Configuration>1</Restore_Configuration>")
+            PLANT_NODE(6, ""));
+
+    plant_add_object(plant->devices[5], 0x1011, 1, 4, 1);
+    plant->fault = restart_slowly;
+    plant_power_on(plant);
+    plant_run_ms(plant, 3000);
+    ck_assert_uint_eq(plant_sent(plant, "605#2F"), 0);
+    plant_run_ms(plant, 2000);
+    watch_expect_up(plant, "is not up");
+    ck_assert_uint_eq(plant_sent(plant, "605#231110016C6F6164"), 1);
+    ck_assert_uint_eq(plant_sent(plant, "000#8105"), 1);
+    ck_assert_uint_eq(plant_said_times(plant, "node 5: boot-up message"), 2);
+    ck_assert(!plant_said(plant, "boot error"));
+    plant_free(plant);
+}
+END_TEST
+
 /* --- 2: a node that restarts in the middle of its configuration --- */
 
 static enum sim_fate restart_at_write(struct plant *plant, const struct co_frame *frame,
@@ -308,6 +342,7 @@ int main(void)
 
     tcase_add_test(tcase, test_guarded_node_is_seen_to_boot);
     tcase_add_test(tcase, test_guarded_node_is_seen_to_restart);
+    tcase_add_test(tcase, test_guarded_node_is_restored);
     tcase_add_loop_test(tcase, test_restart_in_mid_configuration, 0, (int)ENTRIES);
     tcase_add_loop_test(tcase, test_reads_are_repeated, 0, 5);
     tcase_add_test(tcase, test_reads_are_given_up);

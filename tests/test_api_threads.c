@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #define THREADS 4u
+#define CROWD   32u
 #define READS   50u
 #define TEXT    "a text that needs more than one segment"
 
@@ -173,6 +174,25 @@ START_TEST(shut_down_amid_running_transfers)
             sched_yield();
     ck_assert_int_eq(mcanOpenCleanup(), MCANOPEN_OK);
     for (unsigned i = 0; i < THREADS; i++) {
+        thread_join(&readers[i].thread);
+        ck_assert(readers[i].result == MCAL_NO_NET || readers[i].result == MCAL_SYS_ERROR);
+    }
+}
+END_TEST
+
+/* Far more callers than nodes: some are sending, some wait for an answer, most for their turn. */
+START_TEST(shut_down_amid_a_crowd)
+{
+    struct reader readers[CROWD];
+
+    api_boot(plant, API_NODE(5) API_NODE(6));
+    for (unsigned i = 0; i < CROWD / THREADS; i++)
+        readers_start(&readers[i * THREADS], false, 0);
+    for (unsigned i = 0; i < CROWD; i++)
+        while (atomic_load(&readers[i].done) < 5)
+            sched_yield();
+    ck_assert_int_eq(mcanOpenCleanup(), MCANOPEN_OK);
+    for (unsigned i = 0; i < CROWD; i++) {
         thread_join(&readers[i].thread);
         ck_assert(readers[i].result == MCAL_NO_NET || readers[i].result == MCAL_SYS_ERROR);
     }
@@ -365,6 +385,7 @@ int main(void)
     tcase_add_test(tests, all_kinds_of_calls_at_once);
     tcase_add_test(tests, shut_down_ends_calls_that_wait);
     tcase_add_test(tests, shut_down_amid_running_transfers);
+    tcase_add_test(tests, shut_down_amid_a_crowd);
     tcase_add_test(tests, shut_down_ends_a_start_that_waits);
     tcase_add_test(tests, lives_in_several_threads);
     tcase_add_test(tests, two_networks_in_one_process);

@@ -4,7 +4,8 @@
     bench.py --build DIR [--json] [--smoke] [--bus INTERFACE] [ROW...]
 
 Rows on a bus are measured on INTERFACE; without it on a vcan0 of their own (tests/vcan/run.sh).
-The exit code is 1 when a measurement has gone wrong; a missed target is no error.
+The exit code is 1 when a measurement has gone wrong, 2 when a target was missed or something was
+not measured; a smoke test judges nothing.
 """
 import argparse
 import json
@@ -96,6 +97,21 @@ def number(value):
     return f"{value:,.2f}" if isinstance(value, float) and abs(value) < 1000 else f"{value:,.0f}"
 
 
+def by_verdict(results):
+    """The names of the rows that were met, missed ..."""
+    found = {}
+    for each in results:
+        found.setdefault(each["verdict"], []).append(each["row"])
+    return found
+
+
+def exit_code(results, smoke):
+    verdicts = set(by_verdict(results))
+    if "error" in verdicts:
+        return 1
+    return 0 if smoke or verdicts <= {"met"} else 2
+
+
 def print_table(results, place):
     wide = max(len(each["text"]) for each in results)
     print(f"{'':{wide}}  {'measured':>9}  {'target':>9}")
@@ -107,6 +123,8 @@ def print_table(results, place):
             print(f"    {number(each['ours'])} against {number(each['neutral'])}")
     if place:
         print(f"bus: vcan, {place}")
+    print("; ".join(f"{len(rows)} {verdict}: {' '.join(rows)}"
+                    for verdict, rows in by_verdict(results).items()))
 
 
 def parse(arguments):
@@ -140,7 +158,7 @@ def main(arguments):
         print()
     else:
         print_table(results, place)
-    return any(each["verdict"] == "error" for each in results)
+    return exit_code(results, options.smoke)
 
 
 if __name__ == "__main__":

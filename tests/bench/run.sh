@@ -8,8 +8,8 @@
 # programs are not there, it says so and measures the rest. docs/performance.md explains the rows.
 #
 # Builds the preset "release" for it; --build DIR takes the programs of that build as they are.
-# --smoke: a few frames of each kind, no judgement. The exit code is 1 when something went wrong;
-# a missed target is no error.
+# --smoke: a few frames of each kind, no judgement. The exit code is 1 when something went wrong,
+# 2 when a target was missed or something was not measured; the last line tells which rows.
 set -eu
 
 source=$(cd "$(dirname "$0")/../.." && pwd)

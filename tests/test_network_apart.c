@@ -126,9 +126,10 @@ static void *call(void *context)
 
     (void)context;
     out = network_enter(network, &now);
+    request.caller = network_caller(network);
     manager_submit(manager, SERVER, &request, now, out);
     while (request.state != REQUEST_DONE)
-        network_wait(network, MANAGER, CO_NEVER);
+        network_wait_as(network, MANAGER, request.caller, CO_NEVER);
     leave();
     return NULL;
 }

@@ -129,6 +129,52 @@ START_TEST(a_wait_ends_at_its_deadline)
 }
 END_TEST
 
+#define MINE   2u
+#define OTHERS 5u
+
+static void *wait_for_mine(void *context)
+{
+    struct shared *self = context;
+
+    lock_take(&self->lock);
+    while (!self->stop)
+        condition_wait_as(&self->condition, MINE, &self->lock, CO_NEVER);
+    lock_give(&self->lock);
+    return NULL;
+}
+
+/* What is for others does not wake it; after that, what is for it, among others, does. */
+START_TEST(who_waits_for_something_is_woken_for_that)
+{
+    struct shared shared;
+
+    shared_init(&shared);
+    ck_assert_int_eq(thread_start(&shared.thread, "waits", wait_for_mine, &shared), CO_OK);
+    while (atomic_load(&shared.condition.waiting) == 0)
+        sched_yield();
+    condition_signal_to(&shared.condition, OTHERS);
+    lock_take(&shared.lock);
+    shared.stop = true;
+    lock_give(&shared.lock);
+    condition_signal_to(&shared.condition, OTHERS | MINE);
+    shared_done(&shared);
+}
+END_TEST
+
+START_TEST(who_waits_for_anything_is_woken_for_each)
+{
+    struct shared shared;
+
+    shared_init(&shared);
+    start(&shared, "waits");
+    lock_take(&shared.lock);
+    shared.stop = true;
+    lock_give(&shared.lock);
+    condition_signal_to(&shared.condition, MINE);
+    shared_done(&shared);
+}
+END_TEST
+
 static void *count_up(void *context)
 {
     struct shared *self = context;
@@ -236,6 +282,8 @@ int main(void)
     tcase_add_test(tests, a_thread_has_its_name_and_blocks_signals);
     tcase_add_test(tests, a_thread_never_started_can_be_joined);
     tcase_add_test(tests, a_wait_ends_at_its_deadline);
+    tcase_add_test(tests, who_waits_for_something_is_woken_for_that);
+    tcase_add_test(tests, who_waits_for_anything_is_woken_for_each);
     tcase_add_test(tests, a_lock_excludes);
     tcase_add_test(tests, a_lock_inherits_priority);
     tcase_add_test(tests, a_priority_is_set_or_refused);

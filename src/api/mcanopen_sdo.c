@@ -16,7 +16,8 @@ static int wait_for_end(struct managed *managed, struct sdo_request *request)
     while (request->state != REQUEST_DONE) {
         if (err == CO_ERR_STATE)
             return MCAL_NO_NET;
-        err = network_wait(managed->network, managed->config->manager_node_id, CO_NEVER);
+        err = network_wait_as(managed->network, managed->config->manager_node_id, request->caller,
+                              CO_NEVER);
     }
     return error_of_sdo(&request->result, network_bus_state(managed->network));
 }
@@ -32,6 +33,7 @@ static int transfer(struct managed *managed, const struct sdo_call *call,
 
     out = network_enter_recent(managed->network, &now);
     sdo_call_fill(managed, call, &request->transfer);
+    request->caller = network_caller(managed->network);
     manager_submit(managed->manager, node, request, now, out);
     result = wait_for_end(managed, request);
     if (request->state != REQUEST_DONE) { /* time has passed: anew, for it to be right */

@@ -38,7 +38,7 @@ enum manager_event {
     MANAGER_NODE_ID_TAKEN,   /* node: the manager's own; detail: state that another device reports
                                 with it; actual: how often so far; told ever more rarely */
     MANAGER_DROPPED,         /* actual: frames not looked at, for want of room for their events */
-    MANAGER_REQUEST_DONE,    /* node: a request of the application has ended */
+    MANAGER_REQUEST_DONE,    /* node: a request of the application has ended; actual: its caller */
     MANAGER_SYNC_MISSING,    /* SYNC that the kernel sends for the manager does not come; once */
     MANAGER_NODE_CONFIGURED, /* node: all of its configuration was written; actual: entries */
     MANAGER_WRITTEN /* node: the manager's own; index, sub: an entry that a client has written */

@@ -55,7 +55,9 @@ static void on_sdo_done(struct manager *self, const struct co_event *event, co_u
     struct boot_node *node = &self->nodes[event->node];
     struct sdo_request *request = sdo_channel_on_done(&self->channels[event->node], event, now,
                                                       &self->inner);
-    struct co_event done = { .type = MANAGER_REQUEST_DONE, .node = event->node };
+    struct co_event done = { .type = MANAGER_REQUEST_DONE,
+                             .node = event->node,
+                             .actual = request ? request->caller : 0 };
 
     if (request == &node->request)
         boot_node_on_sdo(node, now, &self->inner);

@@ -25,6 +25,7 @@ struct sdo_request {
     struct sdo_transfer transfer;
     uint8_t state;          /* enum sdo_request_state */
     struct co_event result; /* PROTO_SDO_DONE, once DONE */
+    uint32_t caller;        /* who waits for it, in a number of the owner's; 0: anybody */
 };
 
 struct sdo_channel {

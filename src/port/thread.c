@@ -53,10 +53,10 @@ struct kernel_time {
 
 /* The operation's private form: no other process has this word. */
 static int call_futex(_Atomic uint32_t *word, int operation, uint32_t value,
-                      const struct kernel_time *until)
+                      const struct kernel_time *until, uint32_t bits)
 {
     const long result = syscall(SYS_futex, word, operation | FUTEX_PRIVATE_FLAG, value, until, NULL,
-                                FUTEX_BITSET_MATCH_ANY);
+                                bits);
 
     return result < 0 ? errno : 0;
 }
@@ -74,11 +74,16 @@ void condition_done(struct co_condition *self)
     (void)self;
 }
 
-void condition_signal(struct co_condition *self)
+void condition_signal_to(struct co_condition *self, uint32_t bits)
 {
     atomic_fetch_add(&self->turn, 1);
     if (atomic_load(&self->waiting) > 0)
-        call_futex(&self->turn, FUTEX_WAKE, INT_MAX, NULL);
+        call_futex(&self->turn, FUTEX_WAKE_BITSET, INT_MAX, NULL, bits);
+}
+
+void condition_signal(struct co_condition *self)
+{
+    condition_signal_to(self, CONDITION_ALL);
 }
 
 /* A deadline too far away for 32 bits of seconds is never reached all the same. */
@@ -92,7 +97,8 @@ static bool is_reachable(co_us_t deadline)
  * conditions do the same, but leave a lock that inherits priority marked as contended: then giving
  * it takes a system call.
  */
-enum co_err condition_wait(struct co_condition *self, struct co_lock *lock, co_us_t deadline)
+enum co_err condition_wait_as(struct co_condition *self, uint32_t bits, struct co_lock *lock,
+                              co_us_t deadline)
 {
     const struct kernel_time until = { (long)(deadline / 1000000u),
                                        (long)(deadline % 1000000u) * 1000 };
@@ -101,12 +107,17 @@ enum co_err condition_wait(struct co_condition *self, struct co_lock *lock, co_u
 
     atomic_fetch_add(&self->waiting, 1);
     lock_give(lock);
-    error = call_futex(&self->turn, FUTEX_WAIT_BITSET, turn,
-                       is_reachable(deadline) ? &until : NULL);
+    error = call_futex(&self->turn, FUTEX_WAIT_BITSET, turn, is_reachable(deadline) ? &until : NULL,
+                       bits);
     atomic_fetch_sub(&self->waiting, 1);
     lock_take(lock);
     assert(error == 0 || error == EAGAIN || error == EINTR || error == ETIMEDOUT);
     return error == ETIMEDOUT ? CO_ERR_TIMEOUT : CO_OK;
+}
+
+enum co_err condition_wait(struct co_condition *self, struct co_lock *lock, co_us_t deadline)
+{
+    return condition_wait_as(self, CONDITION_ALL, lock, deadline);
 }
 
 enum co_err thread_start(struct co_thread *self, const char *name, void *(*run)(void *context),

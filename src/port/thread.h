@@ -22,6 +22,8 @@ struct co_condition {
     _Atomic uint32_t waiting;
 };
 
+#define CONDITION_ALL UINT32_MAX /* bits of all who wait */
+
 struct co_thread {
     pthread_t id;
     bool running;
@@ -42,6 +44,10 @@ void condition_done(struct co_condition *self);
 void condition_signal(struct co_condition *self);
 /* Gives the lock while waiting. CO_ERR_TIMEOUT at the deadline (CO_NEVER: none); may wake early. */
 enum co_err condition_wait(struct co_condition *self, struct co_lock *lock, co_us_t deadline);
+/* The same where not all wait for the same: only those who have one of these bits are woken. */
+void condition_signal_to(struct co_condition *self, uint32_t bits);
+enum co_err condition_wait_as(struct co_condition *self, uint32_t bits, struct co_lock *lock,
+                              co_us_t deadline);
 
 /* name: at most 15 characters. CO_ERR_MEMORY */
 enum co_err thread_start(struct co_thread *self, const char *name, void *(*run)(void *context),

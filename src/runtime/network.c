@@ -130,13 +130,13 @@ static co_us_t next_deadline(const struct network *self)
     return co_earlier(next, self->tx_retry);
 }
 
-/* True if those in network_wait() are to be woken. */
-static bool take_changes(struct network *self)
+/* Bits of those in network_wait() who are to be woken. */
+static uint32_t take_news(struct network *self)
 {
-    bool has_events = self->has_events;
+    const uint32_t news = self->news;
 
-    self->has_events = false;
-    return has_events;
+    self->news = 0;
+    return news;
 }
 
 static void wait_for_bus(struct network *self, co_us_t deadline)
@@ -152,11 +152,13 @@ static void wait_for_bus(struct network *self, co_us_t deadline)
 }
 
 /* Who is woken may run at once, and wants the lock: it is given before. */
-static void give_lock(struct network *self, bool changed)
+static void give_lock(struct network *self)
 {
+    const uint32_t news = take_news(self);
+
     lock_give(&self->lock);
-    if (changed)
-        condition_signal(&self->changed);
+    if (news != 0)
+        condition_signal_to(&self->changed, news);
 }
 
 static void end_step(struct network *self)
@@ -167,7 +169,7 @@ static void end_step(struct network *self)
     memcpy(woken, self->woken, sizeof woken);
     self->woken_count = 0;
     self->stepping = false;
-    give_lock(self, take_changes(self));
+    give_lock(self);
     for (unsigned i = 0; i < count; i++)
         daemon_wake(woken[i]);
 }
@@ -517,7 +519,7 @@ void network_settle(struct network *self)
     while (self->steps == steps && !self->closing) {
         bus_wake(self->bus);
         condition_signal(&self->changed); /* it may wait for that, where the bus is gone */
-        self->has_events = true;          /* the next step signals */
+        self->news = CONDITION_ALL;       /* the next step signals */
         condition_wait(&self->changed, &self->lock, CO_NEVER);
     }
     lock_give(&self->lock);
@@ -525,7 +527,7 @@ void network_settle(struct network *self)
 
 void network_poke(struct network *self)
 {
-    self->has_events = true;
+    self->news = CONDITION_ALL;
 }
 
 static void send_out(struct network *self, uint8_t node)
@@ -543,24 +545,33 @@ static void send_out(struct network *self, uint8_t node)
 void network_leave(struct network *self, uint8_t node)
 {
     send_out(self, node);
-    give_lock(self, take_changes(self));
+    give_lock(self);
 }
 
-enum co_err network_wait(struct network *self, uint8_t node, co_us_t deadline)
+uint32_t network_caller(struct network *self)
 {
-    bool has_news = false;
+    return 1u << self->callers++ % 32;
+}
+
+enum co_err network_wait_as(struct network *self, uint8_t node, uint32_t caller, co_us_t deadline)
+{
     struct device *device = network_device(self, node);
+    uint32_t news;
 
     if (device && network_send_apart(self, device))
         return CO_OK;
     send_out(self, node);
-    if (take_changes(self)) { /* by ourselves: no signal will come for it */
-        condition_signal(&self->changed);
-        has_news = true;
-    }
+    news = take_news(self);
+    if (news != 0)
+        condition_signal_to(&self->changed, news);
     if (self->closing || (device && device->retired))
         return CO_ERR_STATE;
-    if (has_news)
+    if ((news & caller) != 0) /* by ourselves: no signal will come for it */
         return CO_OK;
-    return condition_wait(&self->changed, &self->lock, deadline);
+    return condition_wait_as(&self->changed, caller, &self->lock, deadline);
+}
+
+enum co_err network_wait(struct network *self, uint8_t node, co_us_t deadline)
+{
+    return network_wait_as(self, node, CONDITION_ALL, deadline);
 }

@@ -131,5 +131,11 @@ void network_settle(struct network *self);
  * CO_ERR_TIMEOUT; CO_ERR_STATE: the network is being closed, or the device's place retired.
  */
 enum co_err network_wait(struct network *self, uint8_t node, co_us_t deadline);
+/*
+ * The same for one who waits for the end of a manager's request, which has this number as 'caller'.
+ * Others have the same one, now and then, but none too many: who waits is not woken for each.
+ */
+enum co_err network_wait_as(struct network *self, uint8_t node, uint32_t caller, co_us_t deadline);
+uint32_t network_caller(struct network *self);
 
 #endif

@@ -60,10 +60,11 @@ struct network {
     enum bus_state bus_state; /* as told */
     unsigned outages;         /* of the bus, as last seen */
     bool is_traced;
-    bool has_events;                   /* since the last signal of changed */
-    co_us_t last_frame;                /* time of the frame delivered last */
-    co_us_t now;                       /* of the step or call under way */
-    co_us_t sleeps_until;              /* the thread, when the lock is free; 0: it does not sleep */
+    uint32_t news;        /* since the last signal of changed: bits of those whom it is for */
+    unsigned callers;     /* had numbers */
+    co_us_t last_frame;   /* time of the frame delivered last */
+    co_us_t now;          /* of the step or call under way */
+    co_us_t sleeps_until; /* the thread, when the lock is free; 0: it does not sleep */
     struct daemon *woken[DAEMONS_MAX]; /* when the protocol thread gives the lock */
     unsigned woken_count;
     struct co_lock sending; /* who sends without the network's lock has this one */

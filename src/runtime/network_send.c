@@ -1,5 +1,7 @@
 #include "runtime/network_internal.h"
 
+#include "manager/event.h"
+
 #define TX_RETRY   CO_MS(1)   /* the bus had no room */
 #define BUS_RETRY  CO_MS(100) /* it is down, or off, or refuses */
 #define TELL_PAUSE CO_MS(1000)
@@ -8,7 +10,7 @@
 
 void network_tell(struct network *self, struct co_event event)
 {
-    self->has_events = true;
+    self->news = CONDITION_ALL;
     if (self->options.sink)
         self->options.sink(self->options.context, self, &event);
 }
@@ -61,6 +63,14 @@ static void put_frame(struct network *self, const struct co_frame *frame)
         tx_queue_put(&self->tx, frame, network_clock(self));
 }
 
+/* Only who has made a request waits for its end. */
+static uint32_t concerned(const struct device *device, const struct co_event *event)
+{
+    const bool is_for_one = device->manager && event->type == MANAGER_REQUEST_DONE;
+
+    return is_for_one && event->actual != 0 ? (uint32_t)event->actual : CONDITION_ALL;
+}
+
 /* Takes what a device has put out; a full queue costs frames, with a count, never time. */
 void network_drain(struct network *self, struct device *device)
 {
@@ -77,7 +87,7 @@ void network_drain(struct network *self, struct device *device)
     }
     network_follow_sync(self, device);
     while (co_outbox_take_event(&self->out, &event)) {
-        self->has_events = true;
+        self->news |= concerned(device, &event);
         if (device->sink)
             device->sink(device->context, self, &event);
     }
@@ -113,6 +123,8 @@ bool network_send_apart(struct network *self, struct device *device)
     network_follow(self, device);
     co_outbox_take_frame(&self->out, &frame);
     frame.tag = device->node;
+    if (MCANOPEN_TRACE)
+        network_trace_frame(self, &frame, device->node);
     network_expect(self, device, &frame);
     /* When the bus is lost, nobody waits for the frame any more. */
     if (!note_sent(self, send_apart(self, &frame)) && !is_lost(self->bus_state))

@@ -176,7 +176,7 @@ static const struct note { /* accepted, with a word about it */
 } notes[] = {
     { NET(""),
       "2: warning: Manager_Instance: without any Node_Instance there is nothing to "
-      "manage\n",
+      "manage until other tools configure it\n",
       1 },
     { NODE("<CCF_File>a</CCF_File>\n<Old_Config_Style>TRUE</Old_Config_Style>\n"),
       "8: warning: Old_Config_Style: has no effect on a CCF_File\n", 1 },

@@ -180,7 +180,9 @@ void check_network(const struct network_config *config, const struct element_lin
     }
     check_sync(config, valid_line(table, lines, "Sync_Cob_Id"), faults);
     if (config->node_count == 0)
-        faults_note(faults, CO_WARNING, config->line,
-                    "Manager_Instance: without any Node_Instance there is nothing to manage");
+        faults_note(
+            faults, CO_WARNING, config->line,
+            "Manager_Instance: without any Node_Instance there is nothing to manage until other "
+            "tools configure it");
     memset(unique->nodes, 0, sizeof unique->nodes);
 }

@@ -52,7 +52,7 @@ class PeerManager(PeerTest):
                                   (0x1F89, 0, 50000), (0x1028, 5, 0x85), (0x1028, 7, 0x80000000),
                                   (REQUEST_GUARDING, 5, 0), (0x1000, 0, 0)):
             self.assertEqual(self.read(sdo, index, sub), value, f"{index:04X}h:{sub}")
-        self.assert_refused(READ_ONLY, sdo.download, 0x1F81, 5, struct.pack("<L", 0))
+        self.assert_refused(READ_ONLY, sdo.download, 0x1028, 5, struct.pack("<L", 0))
         self.assert_stopped(self.process)
 
     def test_command(self):

@@ -71,14 +71,14 @@ END_TEST
 START_TEST(interface)
 {
     ck_assert_ptr_nonnull(strstr(api_network(plant, 0, ""), "<Interface>virtual:"));
-    api_boot(plant, API_NODE(5));
+    api_boot(plant, API_NODE_WITH(5, API_PATIENT));
     api_wire_wait(wire, "000#0105", 1);
 }
 END_TEST
 
 START_TEST(name)
 {
-    api_boot(plant, "<Name>conveyor</Name>" API_NODE(5));
+    api_boot(plant, "<Name>conveyor</Name>" API_NODE_WITH(5, API_PATIENT));
     api_wait_log(plant, "2 conveyor network is up: 1 of 1 nodes booted");
 }
 END_TEST
@@ -103,7 +103,8 @@ START_TEST(config_file_repository)
 
     ck_assert_int_eq(mkdir(api_path(plant, "dcf"), 0700), 0);
     api_write(plant, "dcf/a.dcf", OBJECT("2000", VAR("2000", "5", "rw") "ParameterValue=7\n"));
-    snprintf(text, sizeof text, "<%s>%s</%s>" API_NODE_WITH(5, "<DCF_File>a.dcf</DCF_File>"),
+    snprintf(text, sizeof text,
+             "<%s>%s</%s>" API_NODE_WITH(5, API_PATIENT "<DCF_File>a.dcf</DCF_File>"),
              repositories[_i], api_path(plant, "dcf"), repositories[_i]);
     api_boot(plant, text);
     ck_assert_uint_eq(api_get(plant, 5, 0x2000, &value, 1), 1);
@@ -178,7 +179,7 @@ END_TEST
 
 START_TEST(nmt_start_all)
 {
-    api_boot(plant, "<NMT_Start_All>TRUE</NMT_Start_All>" API_NODE(5));
+    api_boot(plant, "<NMT_Start_All>TRUE</NMT_Start_All>" API_NODE_WITH(5, API_PATIENT));
     api_wait_state(0, 5, MCANOPEN_STATE_OPERATIONAL);
     api_wire_settle(wire);
     ck_assert_uint_eq(api_wire_count(wire, "000#0100"), 1);

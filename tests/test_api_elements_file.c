@@ -11,7 +11,7 @@
 
 #define NUMBER OBJECT("2000", VAR("2000", "5", "rw") "ParameterValue=7\n")
 #define TEXT   OBJECT("2000", VAR("2000", "9", "rw") "ParameterValue=7 bytes\n")
-#define DCF    "<DCF_File>a.dcf</DCF_File>"
+#define DCF    "<DCF_File>a.dcf</DCF_File>" API_PATIENT
 
 static struct api_plant *plant;
 static struct api_wire *wire;
@@ -66,7 +66,7 @@ START_TEST(ccf_file)
     ck_assert_ptr_nonnull(file);
     ck_assert_uint_eq(fwrite(ccf, 1, sizeof ccf, file), sizeof ccf);
     ck_assert_int_eq(fclose(file), 0);
-    api_start(plant, API_NODE_WITH(5, "<CCF_File>a.ccf</CCF_File>"));
+    api_start(plant, API_NODE_WITH(5, "<CCF_File>a.ccf</CCF_File>" API_PATIENT));
     expect_value();
 }
 END_TEST

@@ -42,7 +42,7 @@ START_TEST(node_id)
     int state;
 
     ck_assert_int_eq(mcanOpenInitialize(), MCANOPEN_OK);
-    ck_assert_int_eq(api_config(plant, API_NODE(5)), MCANOPEN_OK); /* Node_Id 5 */
+    ck_assert_int_eq(api_config(plant, API_NODE_WITH(5, API_PATIENT)), MCANOPEN_OK); /* Node_Id 5 */
     ck_assert_int_eq(mcanOpenGetNodeState(0, 5, &state), MCANOPEN_OK);
     mcanOpenStart();
     ck_assert_int_eq(api_wait_boot(5), 0);
@@ -102,8 +102,8 @@ START_TEST(nmt_check_nodestate)
 
     api_wire_answer(wire, "77F#", "707#05");
     api_start(plant, "<Heartbeat_Producer_Time>100</Heartbeat_Producer_Time>" API_NODE_WITH(
-                         7, "<NMT_Check_Nodestate>TRUE</NMT_Check_Nodestate>"
-                            "<Consumer_Heartbeat_Time>5000</Consumer_Heartbeat_Time>"));
+                         7, API_PATIENT "<NMT_Check_Nodestate>TRUE</NMT_Check_Nodestate>"
+                                        "<Consumer_Heartbeat_Time>5000</Consumer_Heartbeat_Time>"));
     event = api_wait_event(API_EVENT(PARA_UC, MCANOPEN_MSG_NODE_BOOTED), 7);
     ck_assert_uint_eq(event.para.uc, 'L');
     api_wire_settle(wire);
@@ -125,12 +125,15 @@ END_TEST
 
 START_TEST(boot_delay)
 {
+    unsigned before;
     co_us_t begin;
 
-    api_boot(plant, API_NODE_WITH(5, "<Boot_Delay>450</Boot_Delay>"));
+    api_boot(plant, API_NODE_WITH(5, API_PATIENT "<Boot_Delay>450</Boot_Delay>"));
+    api_wire_settle(wire);
+    before = api_wire_count(wire, "605#40001000");
     begin = clock_now();
     ck_assert_int_eq(mcanOpenResetNode(0, 5), MCANOPEN_OK);
-    ck_assert_uint_ge(api_wire_time(wire, "605#40001000", 2), begin + CO_MS(450));
+    ck_assert_uint_ge(api_wire_time(wire, "605#40001000", before + 1), begin + CO_MS(450));
 }
 END_TEST
 
@@ -140,11 +143,12 @@ static const struct identity {
     const char *inner; /* of its node */
     int letter;
 } identities[] = {
-    { API_NODE_WITH(5, "<Device_Type_Identification>1</Device_Type_Identification>"), 'C' },
-    { API_NODE_WITH(5, "<Vendor_Identification>1</Vendor_Identification>"), 'D' },
-    { API_NODE_WITH(5, "<Product_Code>1</Product_Code>"), 'M' },
-    { API_NODE_WITH(5, "<Revision_Number>1</Revision_Number>"), 'N' },
-    { API_NODE_WITH(5, "<Serial_Number>1</Serial_Number>"), 'O' },
+    { API_NODE_WITH(5, API_PATIENT "<Device_Type_Identification>1</Device_Type_Identification>"),
+      'C' },
+    { API_NODE_WITH(5, API_PATIENT "<Vendor_Identification>1</Vendor_Identification>"), 'D' },
+    { API_NODE_WITH(5, API_PATIENT "<Product_Code>1</Product_Code>"), 'M' },
+    { API_NODE_WITH(5, API_PATIENT "<Revision_Number>1</Revision_Number>"), 'N' },
+    { API_NODE_WITH(5, API_PATIENT "<Serial_Number>1</Serial_Number>"), 'O' },
 };
 
 START_TEST(identity)
@@ -157,8 +161,9 @@ END_TEST
 /* The device has 1. */
 START_TEST(software_identification)
 {
-    api_start(plant, API_NODE_WITH(5, "<NMT_Verify_Software>TRUE</NMT_Verify_Software>"
-                                      "<Software_Identification>2</Software_Identification>"));
+    api_start(plant,
+              API_NODE_WITH(5, API_PATIENT "<NMT_Verify_Software>TRUE</NMT_Verify_Software>"
+                                           "<Software_Identification>2</Software_Identification>"));
     ck_assert_int_eq(api_wait_boot(5), 'H');
     api_wire_settle(wire);
     ck_assert_uint_eq(api_wire_count(wire, "605#40561F01"), 1);

@@ -26,6 +26,8 @@
 #define API_NODE_WITH(id, more)                                                                    \
     "<Node_Instance><Node_Id>" #id "</Node_Id>" more "</Node_Instance>\n"
 #define API_NODE(id) API_NODE_WITH(id, "")
+/* For what has to go well at the first try, also where other tests slow this one down. */
+#define API_PATIENT "<SDO_Timeout>2000</SDO_Timeout>"
 
 struct api_device {
     bool made, running;

@@ -22,10 +22,10 @@
 static const char usage[] =
     "usage: mcanopen boot [options] NETWORK.xml\n"
     "\n"
-    "Boots the network and tells each step of each node, then shows a table of the nodes; stays\n"
-    "and reports what happens until Ctrl-C.\n"
+    "Boots the networks of the file and tells each step of each node, then shows a table of the\n"
+    "nodes; stays and reports what happens until Ctrl-C.\n"
     "\n"
-    "  --once           end when the network is up or has failed\n"
+    "  --once           end when each network is up or has failed\n"
     "  --all            the network is up only when the optional nodes are up, too\n"
     "  --timeout SECS   wait at most so long for it to come up\n"
     "                   (default: Boot_Time and 5 s more, 30 s where Boot_Time is 0)\n"
@@ -56,8 +56,14 @@ struct row {
     BOOT_RECORD_T record;
 };
 
-struct table {
-    struct row rows[NETS_MAX * NETWORK_NODE_MAX];
+struct table { /* of one network */
+    char heading[160];
+    struct row rows[NETWORK_NODE_MAX];
+    unsigned count;
+};
+
+struct tables {
+    struct table of[NETS_MAX];
     unsigned count;
 };
 
@@ -83,27 +89,8 @@ static void print_line(void *context, int level, const char *text)
 
 /* --- state of the networks --- */
 
-static bool is_up(const struct boot *self)
-{
-    for (unsigned i = 0; i < self->net_count; i++) {
-        struct managed *managed;
-        bool up;
-        co_us_t now;
-
-        if (registry_enter(self->nets[i], true, &managed) != MCANOPEN_OK)
-            return false;
-        network_enter(managed->network, &now);
-        up = manager_is_up(managed->manager, self->all);
-        network_leave(managed->network, managed->config->manager_node_id);
-        registry_leave();
-        if (!up)
-            return false;
-    }
-    return true;
-}
-
 /* A mandatory node is missing for good, or with 'all' any one, and every node has had its try. */
-static bool manager_has_failed(const struct manager *manager, bool all)
+static bool has_failed(const struct manager *manager, bool all)
 {
     bool failed = false;
 
@@ -119,39 +106,68 @@ static bool manager_has_failed(const struct manager *manager, bool all)
     return all && failed;
 }
 
-/* It will not come up by itself. */
-static bool has_failed(const struct boot *self)
+/* It is up, or will not come up by itself. */
+static bool is_decided(const struct manager *manager, bool all)
 {
-    bool failed = false;
+    return manager_is_up(manager, all) || has_failed(manager, all);
+}
 
+/* Of all networks. */
+static bool are_all(const struct boot *self, bool (*judge)(const struct manager *, bool))
+{
     for (unsigned i = 0; i < self->net_count; i++) {
         struct managed *managed;
+        bool is;
         co_us_t now;
 
         if (registry_enter(self->nets[i], true, &managed) != MCANOPEN_OK)
-            return true;
+            return false;
         network_enter(managed->network, &now);
-        failed |= manager_has_failed(managed->manager, self->all);
+        is = judge(managed->manager, self->all);
         network_leave(managed->network, managed->config->manager_node_id);
         registry_leave();
+        if (!is)
+            return false;
     }
-    return failed;
+    return true;
 }
 
 /* --- the table --- */
 
-static void collect(const struct boot *self, struct table *table)
+/* Where there are several. */
+static void head(int net, struct table *table)
 {
-    table->count = 0;
-    for (unsigned i = 0; i < self->net_count; i++) {
-        for (int node = 1; node <= (int)NETWORK_NODE_MAX; node++) {
-            struct row *row = &table->rows[table->count];
+    struct managed *managed;
+    const char *name;
 
-            row->node = node;
-            row->record.size = sizeof row->record;
-            if (mcanOpenGetBootRecord(self->nets[i], node, &row->record) == MCANOPEN_OK)
-                table->count++;
-        }
+    if (registry_enter(net, false, &managed) != MCANOPEN_OK)
+        return;
+    name = managed->config->name;
+    snprintf(table->heading, sizeof table->heading, "network %d%s%.60s%s on %s", net,
+             name ? " \"" : "", name ? name : "", name ? "\"" : "", network_name(managed->network));
+    registry_leave();
+}
+
+static void collect_nodes(int net, struct table *table)
+{
+    for (int node = 1; node <= (int)NETWORK_NODE_MAX; node++) {
+        struct row *row = &table->rows[table->count];
+
+        row->node = node;
+        row->record.size = sizeof row->record;
+        if (mcanOpenGetBootRecord(net, node, &row->record) == MCANOPEN_OK)
+            table->count++;
+    }
+}
+
+static void collect(const struct boot *self, struct tables *tables)
+{
+    tables->count = self->net_count;
+    for (unsigned i = 0; i < self->net_count; i++) {
+        tables->of[i].count = 0;
+        if (self->net_count > 1)
+            head(self->nets[i], &tables->of[i]);
+        collect_nodes(self->nets[i], &tables->of[i]);
     }
 }
 
@@ -198,6 +214,8 @@ static void print_table(const struct table *table)
     for (unsigned i = 0; i < table->count; i++)
         if (strlen(table->rows[i].record.name) > width)
             width = strlen(table->rows[i].record.name);
+    if (table->heading[0])
+        printf("\n%s\n", table->heading);
     printf("\nnode  %-*s  kind       state            boot\n", (int)width, "name");
     for (unsigned i = 0; i < table->count; i++) {
         const BOOT_RECORD_T *record = &table->rows[i].record;
@@ -210,6 +228,12 @@ static void print_table(const struct table *table)
         printf("\n");
     }
     print_troubles(table);
+}
+
+static void print_tables(const struct tables *tables)
+{
+    for (unsigned i = 0; i < tables->count; i++)
+        print_table(&tables->of[i]);
     fflush(stdout);
 }
 
@@ -278,20 +302,20 @@ static bool wait_for_news(const struct boot *self)
     return fds[1].revents != 0;
 }
 
-/* Until the network is up, has failed, or the time is over; false: interrupted. */
+/* Until each network is up or has failed, or the time is over; false: interrupted. */
 static bool wait_until_decided(struct boot *self)
 {
-    while (!is_up(self) && !has_failed(self) && clock_now() < self->limit)
+    while (!are_all(self, is_decided) && clock_now() < self->limit)
         if (wait_for_news(self))
             return false;
     return true;
 }
 
-static int finish(const struct boot *self, struct table *table, bool up)
+static int finish(const struct boot *self, struct tables *tables, bool up)
 {
-    collect(self, table);
+    collect(self, tables);
     mcanOpenShutDown(); /* the last lines of the log come before the table */
-    print_table(table);
+    print_tables(tables);
     if (!up && clock_now() >= self->limit)
         printf("\nnot up within %u.%u s\n", (unsigned)(self->timeout / 1000000u),
                (unsigned)(self->timeout / 100000u % 10u));
@@ -300,7 +324,7 @@ static int finish(const struct boot *self, struct table *table, bool up)
 
 static int run(struct boot *self)
 {
-    static struct table table;
+    static struct tables tables;
     bool go_on;
 
     self->start = clock_now();
@@ -308,13 +332,13 @@ static int run(struct boot *self)
     mcanOpenStart();
     go_on = wait_until_decided(self);
     if (self->once || !go_on)
-        return finish(self, &table, is_up(self));
-    collect(self, &table);
-    print_table(&table);
+        return finish(self, &tables, are_all(self, manager_is_up));
+    collect(self, &tables);
+    print_tables(&tables);
     self->limit = CO_NEVER;
     while (!wait_for_news(self))
         continue;
-    return finish(self, &table, is_up(self));
+    return finish(self, &tables, are_all(self, manager_is_up));
 }
 
 static int boot(struct boot *self)

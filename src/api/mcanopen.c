@@ -80,6 +80,25 @@ static enum co_err take_place(struct managed *self, char *message, size_t size)
     return network_set_manager(self->network, node, self->manager);
 }
 
+/* Two masters of one file on one bus: a mistake in the file, not a second master to live with. */
+static enum co_err check_bus(const struct managed *self, char *message, size_t size)
+{
+    const struct registry *registry = self->registry;
+
+    for (size_t i = 0; i < registry->network_count; i++) {
+        const struct managed *other = &registry->networks[i];
+
+        if (other == self || !other->network || !other->config->nmt_master ||
+            !self->config->nmt_master ||
+            strcmp(network_name(other->network), network_name(self->network)) != 0)
+            continue;
+        snprintf(message, size, "Interface: %s is that of network %u: a bus has one NMT master",
+                 network_name(self->network), other->config->net);
+        return CO_ERR_VALUE;
+    }
+    return CO_OK;
+}
+
 static int open_bus(struct managed *self, struct co_report *report)
 {
     char bus[64], message[CO_REPORT_TEXT_SIZE] = "";
@@ -93,6 +112,8 @@ static int open_bus(struct managed *self, struct co_report *report)
 
     load_bus_name(self->config, bus, sizeof bus);
     err = nets_open(&order, &self->network, message, sizeof message);
+    if (err == CO_OK)
+        err = check_bus(self, message, sizeof message);
     if (err == CO_OK)
         err = take_place(self, message, sizeof message);
     if (err != CO_OK)

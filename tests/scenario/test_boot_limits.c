@@ -32,6 +32,21 @@ START_TEST(test_reminders_come_ever_more_rarely)
 }
 END_TEST
 
+/* It waits for an optional node, too, until that was tried: but nobody has to come for it. */
+START_TEST(test_no_reminder_of_optional_nodes)
+{
+    struct plant *plant = plant_new(PLANT_NODE(5, "<SDO_Timeout>8000</SDO_Timeout>"), 1000000);
+
+    plant_power_on(plant);
+    plant_run_ms(plant, 20000);
+    ck_assert_int_eq(plant->manager->state, NETWORK_BOOTING);
+    ck_assert(!plant_said(plant, "network waits"));
+    plant_run_ms(plant, 5000);
+    ck_assert(plant_said(plant, "network is up: 0 of 1 nodes booted"));
+    plant_free(plant);
+}
+END_TEST
+
 START_TEST(test_limit_is_for_mandatory_nodes_only)
 {
     char xml[1024];
@@ -81,6 +96,7 @@ int main(void)
     int failed;
 
     tcase_add_test(tests, test_reminders_come_ever_more_rarely);
+    tcase_add_test(tests, test_no_reminder_of_optional_nodes);
     tcase_add_test(tests, test_limit_is_for_mandatory_nodes_only);
     tcase_add_test(tests, test_limit_halts_and_a_late_node_lifts_it);
     suite_add_tcase(suite, tests);

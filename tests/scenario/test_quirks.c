@@ -213,6 +213,39 @@ START_TEST(test_broken_blocks)
 }
 END_TEST
 
+/* Each segment is answered a moment before the time is over: silence counts, not the whole. */
+static enum sim_fate answer_at_the_last_moment(struct plant *plant, const struct co_frame *frame,
+                                               uint8_t sender)
+{
+    (void)sender;
+    if (frame->id == 0x605)
+        plant->devices[5]->sim->hold_until = plant->sim.now + CO_MS(190);
+    return SIM_DELIVER;
+}
+
+START_TEST(test_slow_segments)
+{
+    static const uint8_t text[] =
+        "a text that takes a dozen of segments, one answer for each of them";
+    const struct od_spec spec = {
+        .index = 0x2010, .type = OD_VISIBLE_STRING, .access = OD_RW, .capacity = sizeof text
+    };
+    struct plant *plant = make_plant("", "");
+    struct od_entry *entry;
+
+    ck_assert_int_eq(od_add(&plant->devices[5]->od, &spec, &entry), CO_OK);
+    ck_assert_int_eq(ccf_append(&plant->config->nodes[0].ccf, 0x2010, 0, text, sizeof text - 1),
+                     CO_OK);
+    plant->fault = answer_at_the_last_moment;
+    plant_power_on(plant);
+    plant_run_ms(plant, 5000);
+    ck_assert_msg(plant_node(plant, 5)->booted, "%s", plant->events);
+    ck_assert_uint_eq(entry->size, sizeof text - 1);
+    ck_assert(!plant_said(plant, "boot error"));
+    plant_free(plant);
+}
+END_TEST
+
 /* --- heartbeats and emergencies --- */
 
 /* Heartbeats of eight bytes are heartbeats; those of none are nothing, and harm nobody. */
@@ -323,6 +356,7 @@ int main(void)
     tcase_add_test(tcase, test_silence_after_boot_up);
     tcase_add_loop_test(tcase, test_habit_of_answering, 0, sizeof habits / sizeof *habits);
     tcase_add_test(tcase, test_broken_blocks);
+    tcase_add_test(tcase, test_slow_segments);
     tcase_add_loop_test(tcase, test_length_of_heartbeat, 0, 2);
     tcase_add_test(tcase, test_short_emergencies);
     tcase_add_test(tcase, test_long_identifiers);

@@ -1,6 +1,7 @@
 /*
  * The manager loses its own connection to the bus, and gets it back.
  */
+#include "od/od_store.h"
 #include "support/suite.h"
 #include "support/watch.h"
 
@@ -211,6 +212,33 @@ START_TEST(test_told_twice)
 }
 END_TEST
 
+/* A node that is only watched is watched again, though the network stays stopped. */
+START_TEST(test_watched_again)
+{
+    struct plant *plant = make_plant(ACTION(STOP_ALL) PLANT_NODE(5, HEARTBEAT MANDATORY) PLANT_NODE(
+        6, HEARTBEAT "<NMT_Auto_Start_Slave>FALSE</NMT_Auto_Start_Slave>")
+                                         PLANT_NODE(7, "<NMT_Slave>FALSE</NMT_Slave>"));
+
+    od_set_number(&plant->devices[6]->od, 0x1017, 0, 200);
+    ck_assert_int_eq(od_store(&plant->devices[6]->od, 0x1017, 0x1017), CO_OK);
+    plant_power_on(plant);
+    plant_run_ms(plant, 1000);
+    plant_power(plant, 5, false);
+    plant_run_ms(plant, 1000);
+    ck_assert_int_eq(plant->manager->state, NETWORK_STOPPED);
+    connect(plant, false);
+    plant_run_ms(plant, 1000);
+    connect(plant, true);
+    plant_run_ms(plant, 1000);
+    ck_assert_int_eq(plant->manager->state, NETWORK_STOPPED);
+    ck_assert(!plant_said(plant, "node 6: heartbeat lost"));
+    plant_power(plant, 6, false);
+    plant_run_ms(plant, 1000);
+    ck_assert_uint_eq(plant_said_times(plant, "node 6: heartbeat lost"), 1);
+    plant_free(plant);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tests = tcase_create("the bus is lost and comes back");
@@ -223,5 +251,6 @@ int main(void)
     tcase_add_test(tests, test_stopped_stays_stopped);
     tcase_add_test(tests, test_not_the_master);
     tcase_add_test(tests, test_told_twice);
+    tcase_add_test(tests, test_watched_again);
     return suite_run("bus_outage", tests);
 }

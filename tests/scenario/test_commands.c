@@ -424,6 +424,46 @@ START_TEST(test_start_overtakes)
 }
 END_TEST
 
+/* Before it was operational the manager may go anywhere but there: nobody is started by that. */
+START_TEST(test_own_commands_while_it_waits)
+{
+    static const enum nmt_command commands[] = { NMT_ENTER_PREOPERATIONAL, NMT_STOP };
+    struct plant *plant = waiting();
+
+    ck_assert_int_eq(plant_command(plant, commands[_i], SELF), CO_OK);
+    plant_run_ms(plant, 1000);
+    ck_assert_int_eq(plant->manager->device.state, _i ? NMT_STOPPED : NMT_PREOPERATIONAL);
+    ck_assert_uint_eq(plant_sent(plant, "000#01"), 0);
+    ck_assert_int_eq(plant_command(plant, NMT_START, SELF), CO_OK);
+    plant_run_ms(plant, 100);
+    ck_assert_int_eq(state_of(plant, 5), NMT_OPERATIONAL);
+    plant_free(plant);
+}
+END_TEST
+
+/* The first and the last node-ID are nodes like others, where they are not the manager's. */
+START_TEST(test_first_and_last_node)
+{
+    struct plant *plant = plant_new(
+        "<Manager_Node_Id>2</Manager_Node_Id>" PLANT_NODE(1, "") PLANT_NODE(127, ""), 1000000);
+
+    plant_add_device(plant, 1);
+    plant_add_device(plant, 127);
+    plant_power_on(plant);
+    plant_run_ms(plant, 1000);
+    for (unsigned i = 0; i < 2; i++) {
+        const uint8_t node = i ? 127 : 1;
+
+        ck_assert_int_eq(state_of(plant, node), NMT_OPERATIONAL);
+        ck_assert_int_eq(plant_command(plant, NMT_STOP, node), CO_OK);
+        plant_run_ms(plant, 10);
+        ck_assert_int_eq(state_of(plant, node), NMT_STOPPED);
+    }
+    ck_assert_int_eq(plant_command(plant, NMT_STOP, 128), CO_ERR_NOT_FOUND);
+    plant_free(plant);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tcase = tcase_create("commands");
@@ -440,5 +480,7 @@ int main(void)
     tcase_add_test(tcase, test_second_master_commands_all);
     tcase_add_test(tcase, test_node_id_taken);
     tcase_add_test(tcase, test_start_overtakes);
+    tcase_add_loop_test(tcase, test_own_commands_while_it_waits, 0, 2);
+    tcase_add_test(tcase, test_first_and_last_node);
     return suite_run("commands", tcase);
 }

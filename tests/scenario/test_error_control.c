@@ -356,6 +356,25 @@ START_TEST(test_start_overtakes)
 }
 END_TEST
 
+/* A node that has failed sends its heartbeat all the same: that does not make it right. */
+START_TEST(test_heartbeat_of_a_failed_node)
+{
+    struct plant *plant = make_plant(PLANT_NODE(5, HEARTBEAT "<Serial_Number>77</Serial_Number>")
+                                         PLANT_NODE(6, HEARTBEAT));
+
+    plant_power_on(plant);
+    for (unsigned i = 0; i < 20; i++) {
+        sim_say(&plant->sim, "705#7F");
+        plant_run_ms(plant, 200);
+    }
+    ck_assert(plant_said(plant, "node 5: boot error O"));
+    ck_assert_int_eq(plant_node(plant, 5)->step, BOOT_FAILED);
+    ck_assert(!plant_said(plant, "node 5: booted"));
+    ck_assert_uint_eq(plant_sent(plant, "000#0105"), 0);
+    plant_free(plant);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tcase = tcase_create("error_control");
@@ -373,5 +392,6 @@ int main(void)
     tcase_add_test(tcase, test_never_follows);
     tcase_add_test(tcase, test_leaves_by_itself);
     tcase_add_test(tcase, test_start_overtakes);
+    tcase_add_test(tcase, test_heartbeat_of_a_failed_node);
     return suite_run("error_control", tcase);
 }

@@ -193,6 +193,30 @@ START_TEST(test_restart_in_operation)
 }
 END_TEST
 
+/* What fits into one frame goes in one, blocks or not; five bytes do not. */
+START_TEST(test_small_values_without_blocks)
+{
+    static const uint8_t value[5] = { 1, 2, 3, 4, 5 };
+    struct plant *plant = make_plant(PLANT_NODE(5, "<SDO_Block_Size>16</SDO_Block_Size>"));
+
+    for (uint8_t size = 4; size <= 5; size++) {
+        const struct od_spec spec = { .index = (uint16_t)(0x6200 + size),
+                                      .type = OD_OCTET_STRING,
+                                      .access = OD_RW,
+                                      .capacity = 5 };
+
+        ck_assert_int_eq(od_add(&plant->devices[5]->od, &spec, NULL), CO_OK);
+        ck_assert_int_eq(ccf_append(&plant->config->nodes[0].ccf, spec.index, 0, value, size),
+                         CO_OK);
+    }
+    plant_power_on(plant);
+    plant_run_ms(plant, 500);
+    ck_assert_ptr_nonnull(strstr(frames_of(plant, 0x605), "605#2304620001020304\n"));
+    ck_assert_ptr_nonnull(strstr(frames_of(plant, 0x605), "605#C605620005000000\n"));
+    plant_free(plant);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tcase = tcase_create("frames");
@@ -202,5 +226,6 @@ int main(void)
     tcase_add_test(tcase, test_own_heartbeat);
     tcase_add_test(tcase, test_no_own_heartbeat);
     tcase_add_test(tcase, test_restart_in_operation);
+    tcase_add_test(tcase, test_small_values_without_blocks);
     return suite_run("frames", tcase);
 }

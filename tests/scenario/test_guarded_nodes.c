@@ -259,6 +259,25 @@ START_TEST(test_heartbeat_of_before)
 }
 END_TEST
 
+/* A node that is only guarded restarts: its toggle bit begins anew, and that is no error. */
+START_TEST(test_guarded_only_node_restarts)
+{
+    struct plant *plant = make_plant(
+        PLANT_NODE(5, GUARDED "<NMT_Auto_Start_Slave>FALSE</NMT_Auto_Start_Slave>"), false, 0);
+
+    plant_power_on(plant);
+    for (unsigned i = 0; i < 4; i++) { /* after an even and after an odd number of answers */
+        plant_run_ms(plant, 1000 + i % 2 * 100);
+        plant_power(plant, 5, false);
+        plant_power(plant, 5, true);
+    }
+    plant_run_ms(plant, 1000);
+    ck_assert(!plant_said(plant, "toggle error"));
+    ck_assert(!plant_said(plant, "no answer to guarding"));
+    plant_free(plant);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tcase = tcase_create("guarded_nodes");
@@ -275,5 +294,6 @@ int main(void)
     tcase_add_test(tcase, test_restarted_node_is_configured);
     tcase_add_test(tcase, test_restart_that_nobody_hears);
     tcase_add_test(tcase, test_heartbeat_of_before);
+    tcase_add_test(tcase, test_guarded_only_node_restarts);
     return suite_run("guarded_nodes", tcase);
 }

@@ -163,6 +163,7 @@ START_TEST(what_was_written_is_there)
     ck_assert_uint_eq(api_get(plant, 5, 0x2010, value, sizeof value), 30);
     for (int i = 0; i < 30; i++)
         ck_assert_int_eq(value[i], 'x');
+    api_wire_settle(wire);
     ck_assert_uint_eq(api_wire_count(wire, "605#C61020001E000000"), (unsigned)_i);
     request = reading(5, 0x2010, 30);
     request.subindex = _i ? TYP_BLOCK : 0;
@@ -170,6 +171,7 @@ START_TEST(what_was_written_is_there)
     wait_for_ends(2);
     ck_assert_int_eq(ends.list[1].result.len, 30);
     ck_assert_int_eq(ends.list[1].result.subindex, 0);
+    api_wire_settle(wire);
     ck_assert_uint_eq(api_wire_count(wire, "605#A4102000"), (unsigned)_i);
 }
 END_TEST

@@ -142,6 +142,30 @@ START_TEST(test_save)
 }
 END_TEST
 
+/* The same with the dates that the configuration itself has, and none in the network's file. */
+START_TEST(test_saved_dates_of_configuration)
+{
+    struct plant *plant = make_plant(SAVE);
+
+    add_1020(plant, 0, 0);
+    plant_add_object(plant->devices[5], 0x1010, 0, 1, 1);
+    plant_add_object(plant->devices[5], 0x1010, 1, 4, 1);
+    plant_configure(plant, 5, 0x1020, 1, 4, 77);
+    plant_configure(plant, 5, 0x1020, 2, 4, 78);
+    plant_power_on(plant);
+    plant_run_ms(plant, 1000);
+    watch_expect_up(plant, "is not up");
+    plant->sim.trace_count = 0;
+    plant_power(plant, 5, false);
+    plant_power(plant, 5, true);
+    plant_run_ms(plant, 1000);
+    watch_expect_up(plant, "is not up again");
+    ck_assert_uint_eq(plant_sent(plant, "605#40201001"), 1);
+    ck_assert_uint_eq(plant_sent(plant, "605#2"), 0);
+    plant_free(plant);
+}
+END_TEST
+
 /* The device writes its flash for 9.9 s: no time-out; 10.1 s is one, and all is begun anew. */
 static enum sim_fate slow_flash(struct plant *plant, const struct co_frame *frame, uint8_t sender)
 {
@@ -272,6 +296,7 @@ int main(void)
     tcase_add_test(tcase, test_no_1020);
     tcase_add_test(tcase, test_dates_of_configuration);
     tcase_add_test(tcase, test_save);
+    tcase_add_test(tcase, test_saved_dates_of_configuration);
     tcase_add_loop_test(tcase, test_blocks, 0, sizeof blocks / sizeof blocks[0]);
     tcase_add_test(tcase, test_blocks_of_many);
     tcase_add_loop_test(tcase, test_slow_flash, 0, 2);

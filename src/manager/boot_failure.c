@@ -13,9 +13,10 @@ bool boot_failure_is_same(const struct boot_failure *a, const struct boot_failur
            a->actual == b->actual;
 }
 
-static bool is_busy_answer(sdo_abort_t code)
+/* SDO_TIMEOUT: for the node our request was missing, a frame was lost or late. */
+static bool is_passing(sdo_abort_t code)
 {
-    return code == SDO_NO_CONNECTION || code == SDO_DEVICE_STATE;
+    return code == SDO_NO_CONNECTION || code == SDO_DEVICE_STATE || code == SDO_TIMEOUT;
 }
 
 /* Answers that fit no request: who else speaks there may have ended next time. */
@@ -35,7 +36,7 @@ bool boot_failure_is_worth_a_retry(const struct boot_failure *self, unsigned att
         return true;
     if (self->letter == 'B' || (is_garbled(self) && attempts < GARBLED_ATTEMPTS))
         return true;
-    return self->outcome == SDO_OUTCOME_ABORTED && is_busy_answer(self->abort_code);
+    return self->outcome == SDO_OUTCOME_ABORTED && is_passing(self->abort_code);
 }
 
 struct co_event boot_failure_event(const struct boot_failure *self)

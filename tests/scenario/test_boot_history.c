@@ -51,6 +51,19 @@ START_TEST(test_booted_since)
 }
 END_TEST
 
+/* A frame was lost or late: the node tells that it has waited for it. That is no refusal. */
+START_TEST(test_node_has_waited_in_vain)
+{
+    struct plant *plant = boot("605#40181001", "585#8018100100000405", 1);
+    const struct boot_node *node = plant_node(plant, 5);
+
+    ck_assert(node->booted);
+    ck_assert_uint_eq(node->history.failures, 1);
+    ck_assert_uint_eq(node->history.last.abort_code, SDO_TIMEOUT);
+    plant_free(plant);
+}
+END_TEST
+
 /* Boots that end well later change the time of the last one, and nothing else. */
 START_TEST(test_boots_again)
 {
@@ -111,6 +124,7 @@ int main(void)
 
     tcase_add_test(tcase, test_nothing_has_failed);
     tcase_add_test(tcase, test_booted_since);
+    tcase_add_test(tcase, test_node_has_waited_in_vain);
     tcase_add_test(tcase, test_boots_again);
     tcase_add_test(tcase, test_fails_otherwise);
     tcase_add_test(tcase, test_network_starts_anew);

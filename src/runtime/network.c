@@ -118,6 +118,15 @@ static void run_due(struct network *self, co_us_t now)
     }
 }
 
+static co_us_t devices_deadline(const struct network *self)
+{
+    co_us_t next = CO_NEVER;
+
+    for (unsigned i = 0; i < self->device_count; i++)
+        next = co_earlier(next, device_deadline(&self->devices[i]));
+    return next;
+}
+
 static co_us_t next_deadline(const struct network *self)
 {
     co_us_t next = self->tx.lost > 0 ? self->tx_tell : CO_NEVER;
@@ -125,8 +134,7 @@ static co_us_t next_deadline(const struct network *self)
     next = co_earlier(next, self->look);
     if (self->refused_until > 0)
         next = co_earlier(next, self->refused_until);
-    for (unsigned i = 0; i < self->device_count; i++)
-        next = co_earlier(next, device_deadline(&self->devices[i]));
+    next = co_earlier(next, devices_deadline(self));
     return co_earlier(next, self->tx_retry);
 }
 
@@ -188,15 +196,18 @@ static void *run(void *context)
 
     while (!closing) {
         co_us_t now, deadline;
-        bool more;
+        bool more, got_frames;
 
         begin_step(self);
         /* With frames, time has only come as far as these: there may be more, and an answer that
          * is there already must not be taken for missing. A wait that brings none tells that. */
-        now = receive_burst(self) ? self->last_frame : clock_now();
+        got_frames = receive_burst(self);
+        now = got_frames ? self->last_frame : clock_now();
         self->now = now;
-        network_confirm(self, now);
-        run_due(self, now);
+        if (!got_frames || !network_is_behind(self, devices_deadline(self), now)) {
+            network_confirm(self, now);
+            run_due(self, now);
+        }
         network_flush(self, now);
         deadline = next_deadline(self);
         closing = self->closing;

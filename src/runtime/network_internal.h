@@ -64,6 +64,8 @@ struct network {
     unsigned callers;     /* had numbers */
     co_us_t last_frame;   /* time of the frame delivered last */
     co_us_t now;          /* of the step or call under way */
+    co_us_t behind_until; /* nothing is due before this, when there was a stall */
+    co_us_t behind_next;  /* ... and no other one is seen before this */
     co_us_t sleeps_until; /* the thread, when the lock is free; 0: it does not sleep */
     struct daemon *woken[DAEMONS_MAX]; /* when the protocol thread gives the lock */
     unsigned woken_count;
@@ -107,6 +109,15 @@ void network_expect(struct network *self, const struct device *device,
 void network_confirm(struct network *self, co_us_t now);
 /* Requests of managers come back from the bus as well. */
 bool network_returns_requests(const struct network *self);
+
+/* network_stall.c */
+/*
+ * The protocol thread has not run for a while (a stopped process or machine), and the frames that
+ * it takes now, until 'now', are as old. A request that is sent at their time has been on its way
+ * for as long, and would be missed at once: so what is due since 'due' has to wait until all that
+ * came in the meantime is known.
+ */
+bool network_is_behind(struct network *self, co_us_t due, co_us_t now);
 
 /* network_listen.c */
 /* The bus lets through what the devices listen to. */

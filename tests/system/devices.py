@@ -32,6 +32,7 @@ class Entry:
     def __init__(self, index, kind, default, access="rw", value=None):
         self.index, self.kind, self.default = index, kind, default
         self.access, self.value = access, value
+        self.mappable = 0
 
     def lines(self, number=None):
         yield f"[{self.index:04X}{'' if number is None else f'sub{number:X}'}]"
@@ -40,10 +41,18 @@ class Entry:
         yield f"DataType=0x{self.kind:04X}"
         yield f"AccessType={self.access}"
         yield f"DefaultValue={self.default}"
-        yield "PDOMapping=0"
+        yield f"PDOMapping={self.mappable}"
         if self.value is not None:
             yield f"ParameterValue={self.value}"
         yield ""
+
+
+class Mapped(Entry):
+    """A VAR that may be in PDOs."""
+
+    def __init__(self, *values):
+        super().__init__(*values)
+        self.mappable = 1
 
 
 class Record:
@@ -71,6 +80,13 @@ def standard(serial, vendor=0x29A, heartbeat=None):
             Entry(0x1017, UNSIGNED16, 0, "rw", heartbeat), identity(serial, vendor)]
 
 
+def input_byte():
+    """6000h:01 and the TPDO with it, sent when it changes."""
+    cob_id, kind = Entry(0x1800, UNSIGNED32, "$NODEID+0x180"), Entry(0x1800, UNSIGNED8, 255)
+    return [Record(0x1800, [cob_id, kind]), Record(0x1A00, [Entry(0x1A00, UNSIGNED32, 0x60000108)]),
+            Record(0x6000, [Mapped(0x6000, UNSIGNED8, 0, "ro")])]
+
+
 def object_list(section, indexes):
     yield from (f"[{section}]", f"SupportedObjects={len(indexes)}")
     yield from (f"{number}=0x{index:04X}" for number, index in enumerate(indexes, 1))
@@ -91,7 +107,9 @@ def dcf(node, objects, baudrate=1000):
     lines += object_list("ManufacturerObjects", [i for i in indexes if 0x2000 <= i < 0x6000])
     for each in objects:
         lines += each.lines()
-    return FILE + "\n".join(lines) + "\n"
+    pdos = sum(0x1800 <= index < 0x1A00 for index in indexes)
+    info = FILE.replace("Granularity=8\n", f"Granularity=8\nNrOfTXPDO={pdos}\n")
+    return info + "\n".join(lines) + "\n"
 
 
 def elements(values, indent):

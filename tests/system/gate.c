@@ -7,6 +7,7 @@
 #include "port/bus.h"
 #include "port/thread.h"
 
+#include <sched.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -32,13 +33,18 @@ static void hold(const struct co_frame *frame)
         exit(EXIT_SUCCESS); /* the test has ended */
 }
 
+/* The bus is full, or has a participant that was stopped in the middle of a frame. */
+static bool is_passing(enum co_err err)
+{
+    return err == CO_ERR_AGAIN || err == CO_ERR_HELD;
+}
+
 static enum co_err hand_on(struct bus *to, const struct co_frame *frame)
 {
     enum co_err err;
 
-    do
-        err = bus_send(to, frame);
-    while (err == CO_ERR_AGAIN);
+    while (is_passing(err = bus_send(to, frame)))
+        sched_yield();
     return err;
 }
 
@@ -48,12 +54,12 @@ static void *run(void *context)
     enum co_err err = CO_OK;
     struct bus_rx rx;
 
-    while (err == CO_OK) {
+    while (err == CO_OK || is_passing(err)) {
         err = bus_receive(way->from, &rx);
         if (err == CO_OK) {
             hold(&rx.frame);
             err = hand_on(way->to, &rx.frame);
-        } else if (err == CO_ERR_AGAIN) {
+        } else if (is_passing(err)) {
             err = bus_wait(way->from, CO_NEVER);
         }
     }

@@ -1,6 +1,7 @@
 #include "manager/boot_text.h"
 
 #include "base/bytes.h"
+#include "mcanopen.h"
 #include "support/suite.h"
 
 #include <stdio.h>
@@ -190,7 +191,7 @@ static const struct failed {
         .sub = 4,
         .abort_code = SDO_NO_SUB },
       "O: read 1018h:04 serial number: the node answers abort 06090011h, sub-index does not "
-      "exist" },
+      "exist: remove Serial_Number to skip the check" },
     { { .letter = 'J',
         .step = BOOT_CONFIGURE,
         .outcome = SDO_OUTCOME_ABORTED,
@@ -201,8 +202,8 @@ static const struct failed {
         .expected = 0x20,
         .size = 1 },
       "J: write 1A00h:01 = 20h (entry 3 of 7 of pump.dcf): the node answers abort 06040041h, "
-      "object "
-      "cannot be mapped to a PDO" },
+      "object cannot be mapped to a PDO: the device's manual tells what it can map; 8 bytes in "
+      "all" },
     { { .letter = 'J',
         .step = BOOT_CONFIGURE,
         .outcome = SDO_OUTCOME_TOGGLE,
@@ -211,14 +212,16 @@ static const struct failed {
         .entry = 7,
         .size = 20 },
       "J: write 2000h:00 (20 bytes) (entry 7 of 7 of pump.dcf): wrong answer, aborted with "
-      "05030000h, toggle bit not alternated" },
+      "05030000h, toggle bit not alternated: two masters on the bus, or two devices with this "
+      "node-ID?" },
     { { .letter = 'J',
         .step = BOOT_CONFIGURE,
         .outcome = SDO_OUTCOME_NO_ANSWER,
         .index = 0x2000,
         .entry = 1,
         .size = 255 },
-      "J: write 2000h:00 (255 or more bytes) (entry 1 of 7 of pump.dcf): no answer within 200 ms" },
+      "J: write 2000h:00 (255 or more bytes) (entry 1 of 7 of pump.dcf): no answer within 200 "
+      "ms: has it gone, or is it slow there (SDO_Timeout)?" },
     { { .letter = 'J',
         .step = BOOT_CONFIGURE,
         .outcome = SDO_OUTCOME_NO_ANSWER,
@@ -227,16 +230,24 @@ static const struct failed {
         .entry = 1,
         .size = 4,
         .expected = 0x64616F6C },
-      "J: write 1011h:01 = 64616F6Ch (entry 1 of 7 of pump.dcf): no answer within 10000 ms" },
+      "J: write 1011h:01 = 64616F6Ch (entry 1 of 7 of pump.dcf): no answer within 10000 ms: "
+      "has it gone, or is it slow there (SDO_Timeout)?" },
     { { .letter = 'J',
         .step = BOOT_SAVE,
         .outcome = SDO_OUTCOME_NO_ANSWER,
         .index = 0x1010,
         .sub = 1 },
-      "J: write 1010h:01 \"save\": no answer within 10000 ms" },
+      "J: write 1010h:01 \"save\": no answer within 10000 ms: has it gone, or is it slow there "
+      "(SDO_Timeout)?" },
     { { .letter = 'K', .step = BOOT_ERROR_CONTROL, .expected = 1500 },
-      "K: no heartbeat within 1500 ms (Consumer_Heartbeat_Time): does the configuration set 1017h "
-      "to a shorter time?" },
+      "K: no heartbeat within 1500 ms (Consumer_Heartbeat_Time): the configuration does not set "
+      "1017h: add it, with a half of that time" },
+    { { .letter = 'E', .step = BOOT_CHECK_STATE, .expected = 1500 },
+      "E: no heartbeat within 1500 ms: the state of this node, which is to be kept alive "
+      "(NMT_Check_Nodestate), is not known; it is not reset: reset it by hand" },
+    { { .letter = 'F', .step = BOOT_CHECK_STATE },
+      "F: no answer to guarding within 100 ms: the state of this node, which is to be kept alive "
+      "(NMT_Check_Nodestate), is not known; it is not reset: reset it by hand" },
 };
 
 START_TEST(test_failure)
@@ -269,6 +280,107 @@ START_TEST(test_failure)
     node.step = BOOT_STARTED;
     boot_text_node(&node, text, sizeof text);
     ck_assert_str_eq(text, "started");
+}
+END_TEST
+
+/* --- what to do about it --- */
+
+static const struct advised {
+    char letter;
+    uint8_t step;
+    uint16_t index;
+    uint8_t sub;
+    sdo_abort_t code;
+    const char *advice; /* behind the code's own text; "": none */
+} advised[] = {
+    { 'J', BOOT_CONFIGURE, 0x2000, 0, SDO_NO_OBJECT,
+      ": is the file of another device, or of another version of it?" },
+    { 'J', BOOT_CONFIGURE, 0x2000, 9, SDO_NO_SUB,
+      ": is the file of another device, or of another version of it?" },
+    { 'J', BOOT_CONFIGURE, 0x2000, 0, SDO_READ_ONLY, ": take its ParameterValue out of the file" },
+    { 'J', BOOT_CONFIGURE, 0x2000, 0, SDO_VALUE_HIGH,
+      ": the device's manual has its limits; correct the file" },
+    { 'J', BOOT_CONFIGURE, 0x2000, 0, SDO_TYPE_LENGTH,
+      ": the file has another data type than the device" },
+    { 'J', BOOT_CONFIGURE, 0x1A00, 0, SDO_PDO_LENGTH,
+      ": the device's manual tells what it can map; 8 bytes in all" },
+    { 'J', BOOT_CONFIGURE, 0x1A00, 1, SDO_ACCESS,
+      ": a mapping is changed while its sub-index 0 is 0 and the PDO is switched off" },
+    { 'J', BOOT_CONFIGURE, 0x1600, 1, SDO_DEVICE_STATE,
+      ": a mapping is changed while its sub-index 0 is 0 and the PDO is switched off" },
+    { 'J', BOOT_CONFIGURE, 0x1800, 2, SDO_GENERAL,
+      ": a PDO is changed while it is switched off (bit 31 of its COB-ID)" },
+    { 'J', BOOT_CONFIGURE, 0x15FF, 1, SDO_INVALID_VALUE,
+      ": a PDO is changed while it is switched off (bit 31 of its COB-ID)" },
+    { 'J', BOOT_CONFIGURE, 0x2000, 0, SDO_DEVICE_STATE,
+      ": the device takes it in another state: its manual, its switches" },
+    { 'J', BOOT_CONFIGURE, 0x2000, 0, SDO_HARDWARE,
+      ": the device's errors (1001h, 1003h) may tell more" },
+    { 'J', BOOT_CONFIGURE, 0x2000, 0, SDO_GENERAL, "" },
+    { 'J', BOOT_SAVE, 0x1010, 1, SDO_NO_OBJECT,
+      ": the device cannot save: remove Save_Configuration" },
+    { 'J', BOOT_SAVE, 0x1010, 1, SDO_NOT_STORED,
+      ": its manual tells when it can save; or remove Save_Configuration" },
+    { 'B', BOOT_DEVICE_TYPE, 0x1000, 0, SDO_NO_OBJECT, ": is it in its boot loader?" },
+    { 'B', BOOT_DEVICE_TYPE, 0x1000, 0, SDO_TIMEOUT, "" }, /* a frame was lost */
+    { 'D', BOOT_IDENTITY, 0x1018, 1, SDO_TIMEOUT, "" },
+    { 'D', BOOT_IDENTITY, 0x1018, 1, SDO_NO_OBJECT,
+      ": remove Vendor_Identification to skip the check" },
+    { 'I', BOOT_UPDATE_SOFTWARE, 0x1F51, 1, SDO_NO_OBJECT,
+      ": the device has no program download: update it by its own tool" },
+    { 'I', BOOT_UPDATE_SOFTWARE, 0x1F50, 1, SDO_HARDWARE, "" },
+    { 'G', BOOT_CHECK_SOFTWARE, 0x1F56, 1, SDO_NO_OBJECT,
+      ": remove NMT_Verify_Software to skip the check" },
+};
+
+START_TEST(test_advice)
+{
+    const struct advised *row = &advised[_i];
+    const struct boot_failure failure = { .letter = row->letter,
+                                          .step = row->step,
+                                          .outcome = SDO_OUTCOME_ABORTED,
+                                          .index = row->index,
+                                          .sub = row->sub,
+                                          .abort_code = row->code,
+                                          .entry = row->step == BOOT_CONFIGURE ? 1
+                                                   : row->step == BOOT_UPDATE_SOFTWARE
+                                                       ? SOFTWARE_STOP
+                                                       : 0 };
+    char text[BOOT_TEXT_SIZE], end[BOOT_TEXT_SIZE];
+
+    snprintf(end, sizeof end, "abort %08Xh, %s%s", row->code, sdo_abort_text(row->code),
+             row->advice);
+    boot_text_failure(&nodes[0], &failure, text, sizeof text);
+    ck_assert_msg(strlen(text) > strlen(end) && strcmp(text + strlen(text) - strlen(end), end) == 0,
+                  "%s", text);
+    ck_assert_uint_lt(strlen(text), sizeof((BOOT_RECORD_T *)0)->text);
+}
+END_TEST
+
+/* What the configuration writes to 1017h, and what is said of it; -1: nothing. */
+static const struct {
+    int time;
+    const char *text;
+} heartbeats[] = {
+    { -1, "the configuration does not set 1017h: add it, with a half of that time" },
+    { 0, "the configuration sets 1017h to 0, no heartbeat: set a half of that time" },
+    { 1500, "the configuration sets 1017h to 1500 ms: that is too long" },
+    { 700, "1017h is set to 700 ms, but none comes: has the node gone?" },
+};
+
+START_TEST(test_no_heartbeat)
+{
+    const struct boot_failure failure = { .letter = 'K',
+                                          .step = BOOT_ERROR_CONTROL,
+                                          .expected = 1500 };
+    uint8_t value[2];
+    char text[BOOT_TEXT_SIZE];
+
+    put_le16(value, (uint16_t)heartbeats[_i].time);
+    if (heartbeats[_i].time >= 0)
+        ck_assert_int_eq(ccf_append(&nodes[0].ccf, 0x1017, 0, value, 2), CO_OK);
+    boot_text_failure(&nodes[0], &failure, text, sizeof text);
+    ck_assert_msg(strstr(text, heartbeats[_i].text) != NULL, "%s", text);
 }
 END_TEST
 
@@ -352,6 +464,8 @@ int main(void)
     tcase_add_loop_test(tcase, test_event, 0, event_count);
     tcase_add_loop_test(tcase, test_event_in_little_room, 0, event_count);
     tcase_add_loop_test(tcase, test_failure, 0, sizeof failures / sizeof failures[0]);
+    tcase_add_loop_test(tcase, test_advice, 0, sizeof advised / sizeof advised[0]);
+    tcase_add_loop_test(tcase, test_no_heartbeat, 0, sizeof heartbeats / sizeof heartbeats[0]);
     tcase_add_test(tcase, test_no_failure);
     tcase_add_test(tcase, test_line_of_an_entry);
     tcase_add_loop_test(tcase, test_waits, 0, sizeof waits / sizeof waits[0]);

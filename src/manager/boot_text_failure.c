@@ -43,6 +43,13 @@ static const struct compared *find_compared(uint16_t index, uint8_t sub)
     return NULL;
 }
 
+const char *text_element_of(uint16_t index, uint8_t sub)
+{
+    const struct compared *known = find_compared(index, sub);
+
+    return known ? known->element : NULL;
+}
+
 void text_add_object(struct text *text, uint16_t index, uint8_t sub)
 {
     const struct compared *known = find_compared(index, sub);
@@ -93,13 +100,15 @@ static void add_read_failure(struct text *text, const struct node_config *config
     text_add_object(text, failure->index, failure->sub);
     text_add(text, ": ");
     add_outcome(text, config, failure);
-    if (failure->outcome != SDO_OUTCOME_NO_ANSWER)
+    if (failure->outcome != SDO_OUTCOME_NO_ANSWER) {
+        text_add_advice(text, failure);
         return;
+    }
     text_add(text, " (%u tries): ", BOOT_READ_TRIES);
     if (failure->letter == 'B')
         text_add(text, "the node is absent or off, or has another node-ID or bit rate");
     else
-        text_add(text, "the node has gone in mid-boot");
+        text_add(text, "the node has gone in mid-boot: power, cable, its watchdog?");
 }
 
 const char *text_file_of(const struct node_config *config)
@@ -121,6 +130,7 @@ static void add_command_failure(struct text *text, const struct node_config *con
     }
     text_add(text, "write %04Xh:%02X \"%s\": ", failure->index, failure->sub, signature);
     add_outcome(text, config, failure);
+    text_add_advice(text, failure);
 }
 
 static void add_write_failure(struct text *text, const struct node_config *config,
@@ -143,38 +153,37 @@ static void add_write_failure(struct text *text, const struct node_config *confi
         text_add(text, ", line %u", ccf_line(&config->ccf, failure->entry));
     text_add(text, "): ");
     add_outcome(text, config, failure);
+    text_add_advice(text, failure);
 }
 
 static void add_difference(struct text *text, const struct node_config *config,
                            const struct boot_failure *failure)
 {
-    const struct compared *known = find_compared(failure->index, failure->sub);
+    const char *element = text_element_of(failure->index, failure->sub);
 
     text_add_object(text, failure->index, failure->sub);
     text_add(text, " is %08Xh, configuration expects %08Xh: wrong device at node %u",
              failure->actual, failure->expected, config->node_id);
-    if (known)
-        text_add(text, ", or remove %s to skip the check", known->element);
+    if (element)
+        text_add(text, ", or remove %s to skip the check", element);
 }
 
 /* E and F: asked before it is reset; K: at the end of its boot. */
-static void add_silence(struct text *text, const struct boot_failure *failure)
+static void add_silence(struct text *text, const struct node_config *config,
+                        const struct boot_failure *failure)
 {
     if (failure->letter == 'F')
         text_add(text,
                  "no answer to guarding within %u ms: the state of this node, which is to be kept "
-                 "alive (NMT_Check_Nodestate), is not known; it is not reset",
+                 "alive (NMT_Check_Nodestate), is not known; it is not reset: reset it by hand",
                  (unsigned)(SUPERVISION_ASK_TIMEOUT / 1000u));
     else if (failure->letter == 'E')
         text_add(text,
                  "no heartbeat within %u ms: the state of this node, which is to be kept alive "
-                 "(NMT_Check_Nodestate), is not known; it is not reset",
+                 "(NMT_Check_Nodestate), is not known; it is not reset: reset it by hand",
                  failure->expected);
     else
-        text_add(text,
-                 "no heartbeat within %u ms (Consumer_Heartbeat_Time): does the configuration set "
-                 "1017h to a shorter time?",
-                 failure->expected);
+        text_add_heartbeat_advice(text, config, failure);
 }
 
 /* --- failures of the software --- */
@@ -229,6 +238,8 @@ static void add_update_failure(struct text *text, const struct node_config *conf
         text_add(text, "flash status %08Xh, %s", failure->actual, flash_text(failure->actual));
     else
         text_add(text, "still %08Xh after %u ms", failure->actual, failure->expected);
+    if (failure->outcome == SDO_OUTCOME_ABORTED)
+        text_add_advice(text, failure);
 }
 
 static void add_software_failure(struct text *text, const struct node_config *config,
@@ -276,7 +287,7 @@ void text_add_failure(struct text *text, const struct node_config *config,
     else if (failure->letter == 'J')
         add_write_failure(text, config, failure);
     else if (failure->letter == 'E' || failure->letter == 'F' || failure->letter == 'K')
-        add_silence(text, failure);
+        add_silence(text, config, failure);
     else if (failure->outcome != SDO_OUTCOME_OK)
         add_read_failure(text, config, failure);
     else

@@ -71,6 +71,54 @@ class PeerSlave(PeerTest):
         boot = self.boot("--once", "--all", xml, code=1)
         self.assertRegex(boot.out.text(), r"error J: write 2001h:00 .*abort 06020000h")
 
+    def test_wrong_identity(self):
+        """another vendor, product code, revision or serial number is told with both values"""
+        self.add_devices({5: dcf(5, standard(5))})
+        for element, value, told in (
+                ("Vendor_Identification", "0x17F", r"D: 1018h:01 vendor-ID is 0000029Ah, "
+                                                   r"configuration expects 0000017Fh"),
+                ("Product_Code", 2, "M: 1018h:02 product code is 00000001h, "),
+                ("Revision_Number", 3, "N: 1018h:03 revision number is 00010001h, "),
+                ("Serial_Number", 4, "O: 1018h:04 serial number is 00000005h, "),
+                ("Device_Type_Identification", 6, "C: 1000h:00 device type is 00020192h, ")):
+            with self.subTest(element):
+                xml = self.write("network.xml", network([node(5, **{element: value}, **PATIENT)]))
+                boot = self.boot("--once", "--all", xml, code=1)
+                self.assertRegex(boot.out.text(), f"error: node 5: boot error {told}")
+        self.assertEqual([frame for frame in self.heard.frames if frame.startswith("000#01")], [])
+
+    def test_restarts(self):
+        """a device that starts anew in the middle of its configuration: it gets all of it again"""
+        text = dcf(5, [*standard(5), *(Entry(0x2000 + n, 5, 0, "rw", n + 1) for n in range(4))])
+        device, = self.add_devices({5: text})
+        times = []
+
+        def restart(index, **_):
+            times.append(index)
+            if times.count(0x2002) == 1 and index == 0x2002:
+                device.restart()
+
+        device.add_write_callback(restart)
+        self.write("five.dcf", text)
+        xml = self.write("network.xml", network([node(5, DCF_File="five.dcf", SDO_Timeout=1000)]))
+        boot = self.boot("--once", "--all", xml)
+        self.assert_configured(device)
+        self.assertEqual(times.count(0x2000), 2, times)
+        self.assertGreaterEqual(boot.out.text().count("node 5: boot-up message"), 2)
+        self.assertEqual(device.nmt.state, "OPERATIONAL")
+
+    def test_no_guarding(self):
+        """python-canopen answers no remote frames: its device is told lost, and booted again"""
+        text = dcf(5, standard(5))
+        self.add_devices({5: text})
+        guarded = node(5, Guard_Time=50, Life_Time_Factor=4, **PATIENT)
+        boot = self.start_boot(self.write("network.xml", network([guarded])))
+        boot.wait_for("node 5: booted")
+        self.heard.wait_for("705#R")
+        boot.wait_for("error: node 5: no answer to guarding for 200 ms")
+        boot.wait_for("node 5: booted", times=2)
+        boot.stop()
+
     def test_emergency(self):
         """its emergencies and the end of its heartbeat are reported"""
         text = dcf(5, standard(5, heartbeat=100))

@@ -59,6 +59,7 @@ class Large(plant.PlantTest):
         frames = dump.end()
         table = [line for line in boot.out.text().splitlines() if line.endswith(" booted")]
         self.assertEqual(len(table), len(NODES), boot.story())
+        self.assertNotIn("lost", boot.out.text())
         self.check(frames)
 
     def check(self, frames):

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """The interface goes away under a network: it ends up booted again, nothing hangs, nobody polls."""
+import os
 import subprocess
 import time
 from pathlib import Path
@@ -15,9 +16,8 @@ PASSIVE = "20000004#0020000000000000"  # error passive
 class Outage(plant.PlantTest):
     def setUp(self):
         super().setUp()
-        self.ip("add", self.bus.name, "type", "vcan")
+        self.make()
         self.addCleanup(self.ip, "del", self.bus.name)
-        self.set("up")
         io = Record(0x6200, [Entry(0x6200, UNSIGNED8, 0, "rw", "0x55")])
         for number in (5, 6):
             emergency = Entry(0x1014, UNSIGNED32, "$NODEID+0x80", "rw")
@@ -70,19 +70,29 @@ class Outage(plant.PlantTest):
         self.expect_up_again(boot, times=4)
 
     def test_mid_boot(self):
-        """down and up at steps of the boot"""
+        """down and up, or removed and made again, at steps of the boot"""
         for number, frame in enumerate(("000#8200", "605#40001000", "586#", "606#2", "705#7F")):
             dump = self.dump()
             boot = self.start_boot(self.xml)
             dump.wait_for(frame)
-            self.set("down")
-            if number % 2:
+            away, back = self.ways()[number % 2]
+            away()
+            if number % 3:
                 boot.wait_for("bus is down")  # else it is up again before anybody looks
-            self.set("up")
+            back()
             boot.wait_until(self.is_up_since_outage, "the network up again")
             self.assertNotIn("heartbeat lost", boot.story())
             self.assert_stopped(boot)
             dump.process.stop()
+
+    def ways(self):
+        """How an interface goes, and comes back."""
+        return ((lambda: self.set("down"), lambda: self.set("up")),
+                (lambda: self.ip("del", self.bus.name), self.make))
+
+    def make(self):
+        self.ip("add", self.bus.name, "type", "vcan")
+        self.set("up")
 
     @staticmethod
     def is_up_since_outage(lines):
@@ -94,8 +104,7 @@ class Outage(plant.PlantTest):
         boot = self.boot_and_wait()
         self.ip("del", self.bus.name)
         boot.wait_for("bus is down: ")  # gone, or first down and then gone
-        self.ip("add", self.bus.name, "type", "vcan")
-        self.set("up")
+        self.make()
         self.expect_up_again(boot)
 
     def test_another_index(self):
@@ -103,8 +112,7 @@ class Outage(plant.PlantTest):
         boot = self.boot_and_wait()
         self.ip("del", self.bus.name)
         self.ip("add", "vcan7", "type", "vcan")
-        self.ip("add", self.bus.name, "type", "vcan")
-        self.set("up")
+        self.make()
         self.expect_up_again(boot)
         self.ip("del", "vcan7")
 
@@ -125,18 +133,36 @@ class Outage(plant.PlantTest):
         dump.process.stop()
 
     def test_idle(self):
-        """without an interface nobody polls"""
+        """without an interface, or with one that is down, nobody polls"""
         boot = self.boot_and_wait()
-        self.ip("del", self.bus.name)
-        boot.wait_for("bus is down: ")  # gone, or first down and then gone
-        before = self.switches(boot)
-        time.sleep(1)
-        after = self.switches(boot)
-        plant.say(f"{after - before} context switches in a second")
-        self.assertLess(after - before, 10)
-        self.ip("add", self.bus.name, "type", "vcan")
-        self.set("up")
-        self.expect_up_again(boot)
+        for times, (away, back) in enumerate(self.ways(), 2):
+            told = len(boot.out.lines)
+            away()
+            boot.wait_until(lambda lines, since=told: "bus is down: " in "\n".join(lines[since:]),
+                            "bus is down")  # gone, or first down and then gone
+            before = self.switches(boot), self.cpu_time(boot)
+            time.sleep(1)
+            switches, used = self.switches(boot) - before[0], self.cpu_time(boot) - before[1]
+            plant.say(f"{switches} context switches and {1000 * used:.0f} ms in a second")
+            self.assertLess(switches, 10)
+            self.assertLess(used, 0.1)
+            back()
+            boot.wait_for("network is up", times=times)
+        self.expect_up_again(boot, times=3)
+
+    def test_down_before(self):
+        """an interface that is down: told what to do, exit code 3"""
+        self.set("down")
+        boot = self.boot("--once", self.xml, code=3)
+        self.assertRegex(boot.err.text(), f"error: {self.bus.name} is down; run: ip link set "
+                                          f"{self.bus.name} up$")
+        self.assertEqual(boot.out.lines, [])
+
+    @staticmethod
+    def cpu_time(process):
+        stat = Path("/proc", str(process.popen.pid), "stat").read_text()
+        fields = stat.rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
     @staticmethod
     def switches(process):

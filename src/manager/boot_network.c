@@ -125,6 +125,7 @@ void boot_network_reboot(struct manager *self, struct boot_node *node, co_us_t n
 void boot_network_configure(struct manager *self, struct boot_node *node, co_us_t now)
 {
     manager_touch(self, node->config->node_id);
+    boot_network_take_back(self, node, now);
     boot_node_configure(node, now, &self->inner);
     submit(self, node, now);
 }

@@ -63,7 +63,7 @@ co_us_t boot_network_deadline(const struct manager *self);
 void boot_network_take_back(struct manager *self, struct boot_node *node, co_us_t now);
 /* The same, and begins its boot anew, with or without a reset. */
 void boot_network_reboot(struct manager *self, struct boot_node *node, co_us_t now);
-/* Writes its configuration to a node that has booted. */
+/* Writes its configuration to a node that has booted, or begins that anew. */
 void boot_network_configure(struct manager *self, struct boot_node *node, co_us_t now);
 /* In the middle of a software update, which goes on. */
 void boot_network_go_on_updating(struct manager *self, struct boot_node *node, co_us_t now);

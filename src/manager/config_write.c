@@ -43,7 +43,11 @@ static void leave(struct manager *self, struct boot_node *node, co_us_t now)
 /* What it has got so far is of a configuration that is no more. */
 static void begin_anew(struct manager *self, struct boot_node *node, co_us_t now)
 {
-    if (node->step == BOOT_CONFIGURE || node->step == BOOT_SAVE)
+    const bool is_written = node->step == BOOT_CONFIGURE || node->step == BOOT_SAVE;
+
+    if (is_written && !node->config->auto_start_slave) /* 1F25h */
+        boot_network_configure(self, node, now);
+    else if (is_written)
         boot_network_reset_node(self, node, boot_node_reset_command(node), now);
     else if (boot_node_is_in_mid_boot(node) || node->step == BOOT_CHECK_STATE)
         boot_network_reboot(self, node, now);
@@ -52,16 +56,16 @@ static void begin_anew(struct manager *self, struct boot_node *node, co_us_t now
 static void apply(struct manager *self, const struct change *change, co_us_t now)
 {
     struct boot_node *node = change->node;
-    bool is_listed, is_booted;
+    bool is_listed;
 
     if (!node)
         return;
     manager_touch(self, node->config->node_id);
     is_listed = node->config->nmt_slave;
-    is_booted = is_listed && node->config->auto_start_slave;
     if (change->was_listed && !is_listed)
         leave(self, node, now);
-    else if (is_listed && (!change->was_listed || (is_booted && !change->was_booted)))
+    else if (is_listed &&
+             (!change->was_listed || (node->config->auto_start_slave && !change->was_booted)))
         join(self, node, now);
     else if (is_listed)
         begin_anew(self, node, now);
@@ -89,7 +93,7 @@ static sdo_abort_t put_node(struct manager *self, const struct node_config *chan
         boot_node_init(node, changed->node_id, config);
     *ret_change = (struct change){ .node = node,
                                    .was_listed = config->nmt_slave,
-                                   .was_booted = config->nmt_slave && config->auto_start_slave };
+                                   .was_booted = config->auto_start_slave };
     *config = *changed;
     return SDO_OK;
 }
@@ -130,24 +134,19 @@ static void tell_refused(struct manager *self, const struct co_event *event, sdo
     co_outbox_put_event(&self->inner, &refused);
 }
 
-/* The changed node takes its place, and what it replaces is freed. */
+/* What it replaces is freed; who is just writing that to the node is to be taken back: apply(). */
 static sdo_abort_t put_domain(struct manager *self, uint16_t index,
-                              const struct node_config *changed, co_us_t now,
-                              struct change *ret_change)
+                              const struct node_config *changed, struct change *ret_change)
 {
-    struct boot_node *node = &self->nodes[changed->node_id];
     const struct node_config replaced = present(self, changed->node_id);
     const sdo_abort_t code = put_node(self, changed, ret_change);
 
-    if (code == SDO_OK && node->step == BOOT_CONFIGURE)
-        boot_network_take_back(self, node, now); /* it writes from what is freed now */
     config_domain_free(index, code == SDO_OK ? &replaced : changed);
     return code;
 }
 
 static sdo_abort_t write_domain(struct manager *self, const struct co_event *event,
-                                const struct slave_value *value, co_us_t now,
-                                struct change *ret_change)
+                                const struct slave_value *value, struct change *ret_change)
 {
     struct node_config changed = present(self, event->sub);
     char file[8];
@@ -166,21 +165,20 @@ static sdo_abort_t write_domain(struct manager *self, const struct co_event *eve
         return code;
     }
     if (network_config_node(self->config, event->sub) || !has_nothing(&changed))
-        return put_domain(self, event->index, &changed, now, ret_change);
+        return put_domain(self, event->index, &changed, ret_change);
     config_domain_free(event->index, &changed);
     return SDO_OK;
 }
 
 static sdo_abort_t write_object(struct manager *self, const struct co_event *event,
-                                const struct slave_value *value, co_us_t now,
-                                struct change *ret_change)
+                                const struct slave_value *value, struct change *ret_change)
 {
     uint32_t number;
 
     if (!self->config->nmt_master)
         return SDO_LOCAL_CONTROL;
     if (config_is_domain(event->index))
-        return write_domain(self, event, value, now, ret_change);
+        return write_domain(self, event, value, ret_change);
     number = (uint32_t)get_le(value->bytes, value->size);
     if (config_object_is_of_node(event->index))
         return write_node(self, event, number, ret_change);
@@ -279,13 +277,11 @@ static void on_value(struct manager *self, const struct co_event *event,
 {
     const struct slave_transfer transfer = { event->detail, event->code };
     struct change change = { .node = NULL };
-    const sdo_abort_t code = write_object(self, event, value, now, &change);
+    const sdo_abort_t code = write_object(self, event, value, &change);
 
     slave_verdict(&self->device, transfer, code, now, &self->inner);
-    if (code != SDO_OK)
-        return;
-    config_objects_refresh(self->config, &self->od, event->index, event->sub);
-    apply(self, &change, now);
+    if (code == SDO_OK)
+        apply(self, &change, now);
 }
 
 void config_write_on_verdict(struct manager *self, const struct co_event *event, co_us_t now)
@@ -311,11 +307,10 @@ void config_write_on_fetch(struct manager *self, const struct co_event *event, c
     slave_give(&self->device, transfer, &value, now, &self->inner);
 }
 
-/* 1005h, 1006h, 1017h: what was written is from now on what a reset brings back. */
+/* A reset of the manager brings back what was written: 1005h, 1006h and 1017h stay. */
 void config_write_on_written(struct manager *self, const struct co_event *event)
 {
     struct od_entry *entry = od_find(&self->od, event->index, event->sub);
 
-    if (!entry->watched && !entry->fetched && entry->initial && entry->size <= OD_SMALL)
-        memcpy(entry->initial, entry->value, entry->size);
+    memcpy(entry->initial, entry->value, entry->size);
 }

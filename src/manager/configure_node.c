@@ -237,7 +237,7 @@ void boot_node_configure(struct boot_node *self, co_us_t now, struct co_outbox *
     self->nmt_state = NMT_PREOPERATIONAL;
     self->booted = false;
     self->start_due = false;
-    self->start_again = runs;
+    self->start_again |= runs;
     self->kept_alive = false;
     self->attempts = 0;
     self->restoring = RESTORE_TO_COME;

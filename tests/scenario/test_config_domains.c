@@ -1,8 +1,7 @@
 /*
  * What is to be written to the nodes, over the network: 1F20h (text of a DCF), 1F22h (concise DCF),
- * 1F58h (program) of the manager's dictionary, and 1F25h, which asks for it to be written.
+ * 1F58h (program) of the manager's dictionary.
  */
-#include "base/bytes.h"
 #include "support/dcf_file.h"
 #include "support/loader.h"
 #include "support/suite.h"
@@ -58,12 +57,6 @@ static uint32_t put_concise(struct plant *plant, uint8_t node, const uint8_t *by
     return code;
 }
 
-static void put(struct plant *plant, uint16_t index, uint8_t sub, uint32_t value)
-{
-    ck_assert_uint_eq(tool_put(plant, index, sub, 4, value), 0);
-    plant_run_ms(plant, 2);
-}
-
 static void expect_bytes(struct plant *plant, uint16_t index, uint8_t sub, const void *bytes,
                          uint32_t size)
 {
@@ -83,18 +76,6 @@ static void expect_no_bytes(struct plant *plant, uint16_t index, uint8_t sub)
     ck_assert_uint_eq(tool_read(plant, index, sub, read, &read_size), NO_DATA);
 }
 
-static void expect_state(const struct plant *plant, uint8_t node, int state)
-{
-    const int is = plant->devices[node]->slave.state;
-
-    ck_assert_msg(is == state, "node %u is %d, not %d", node, is, state);
-}
-
-static void expect_value(const struct plant *plant, uint8_t node, uint16_t index, uint64_t value)
-{
-    ck_assert_uint_eq(od_number(&plant->devices[node]->od, index, 1, 0xDEAD), value);
-}
-
 /* --- 1F22h --- */
 
 START_TEST(test_concise)
@@ -105,11 +86,11 @@ START_TEST(test_concise)
     ck_assert_uint_eq(put_concise(plant, 5, other, sizeof other), 0);
     expect_bytes(plant, 0x1F22, 5, other, sizeof other);
     expect_no_bytes(plant, 0x1F20, 5);
-    put(plant, 0x1F81, 5, BOOTED);
+    tool_set(plant, 0x1F81, 5, BOOTED);
     plant_run_ms(plant, 500);
-    expect_state(plant, 5, NMT_OPERATIONAL);
-    expect_value(plant, 5, 0x6200, 0x66);
-    expect_value(plant, 5, 0x6201, 0x77);
+    tool_expect_state(plant, 5, NMT_OPERATIONAL);
+    tool_expect_value(plant, 5, 0x6200, 0x66);
+    tool_expect_value(plant, 5, 0x6201, 0x77);
     ck_assert_uint_eq(put_concise(plant, 5, nothing, sizeof nothing), 0);
     expect_bytes(plant, 0x1F22, 5, nothing, sizeof nothing);
     plant_free(plant);
@@ -159,7 +140,6 @@ END_TEST
 START_TEST(test_size)
 {
     struct plant *plant = run_plant("");
-    uint8_t *bytes = calloc(1, 0x100001);
 
     sim_say(&plant->sim, "67F#21221F0501001000");
     plant_run_ms(plant, 10);
@@ -167,7 +147,6 @@ START_TEST(test_size)
     sim_say(&plant->sim, "67F#21221F0500001000");
     plant_run_ms(plant, 10);
     ck_assert_uint_eq(plant_sent(plant, "5FF#60221F05"), 1);
-    free(bytes);
     plant_free(plant);
 }
 END_TEST
@@ -182,6 +161,24 @@ START_TEST(test_nothing)
     ck_assert_uint_eq(plant->config->node_count, 0);
     ck_assert_uint_eq(put_concise(plant, 127, concise, sizeof concise), REFUSED);
     ck_assert_uint_eq(plant->config->node_count, 0);
+    plant_free(plant);
+}
+END_TEST
+
+/* A text without values, and a program, do. */
+START_TEST(test_something)
+{
+    static const char text[] = CLEAN;
+    struct plant *plant = run_plant("");
+
+    ck_assert_uint_eq(tool_write(plant, 0x1F20, 5, text, sizeof text - 1), 0);
+    expect_bytes(plant, 0x1F22, 5, nothing, sizeof nothing);
+    expect_bytes(plant, 0x1F20, 5, text, sizeof text - 1);
+    ck_assert_uint_eq(tool_write(plant, 0x1F58, 6, text, 9), 0);
+    expect_bytes(plant, 0x1F58, 6, text, 9);
+    ck_assert_uint_eq(plant->config->node_count, 2);
+    ck_assert_uint_eq(tool_write(plant, 0x1F58, 6, text, 0), 0);
+    expect_no_bytes(plant, 0x1F58, 6);
     plant_free(plant);
 }
 END_TEST
@@ -231,8 +228,8 @@ START_TEST(test_replaced_while_written)
     ck_assert_uint_eq(put_concise(plant, 5, other, sizeof other), 0);
     ck_assert_uint_eq(plant_sent(plant, "000#8205"), 1);
     plant_run_ms(plant, 1000);
-    expect_state(plant, 5, NMT_OPERATIONAL);
-    expect_value(plant, 5, 0x6201, 0x77);
+    tool_expect_state(plant, 5, NMT_OPERATIONAL);
+    tool_expect_value(plant, 5, 0x6201, 0x77);
     plant_free(plant);
 }
 END_TEST
@@ -254,10 +251,10 @@ START_TEST(test_text)
     ck_assert_uint_eq(tool_write(plant, 0x1F20, 5, text, sizeof text - 1), 0);
     expect_bytes(plant, 0x1F20, 5, text, sizeof text - 1);
     expect_bytes(plant, 0x1F22, 5, concise, sizeof concise);
-    put(plant, 0x1F81, 5, BOOTED);
+    tool_set(plant, 0x1F81, 5, BOOTED);
     plant_run_ms(plant, 500);
-    expect_state(plant, 5, NMT_OPERATIONAL);
-    expect_value(plant, 5, 0x6200, 0x55);
+    tool_expect_state(plant, 5, NMT_OPERATIONAL);
+    tool_expect_value(plant, 5, 0x6200, 0x55);
     ck_assert_uint_eq(put_concise(plant, 5, other, sizeof other), 0);
     expect_no_bytes(plant, 0x1F20, 5);
     ck_assert_uint_eq(tool_write(plant, 0x1F20, 5, text, sizeof text - 1), 0);
@@ -333,192 +330,6 @@ START_TEST(test_program)
 }
 END_TEST
 
-/* --- 1F25h --- */
-
-#define NODES PLANT_NODE(5, "") PLANT_NODE(6, "")
-
-/* A node that runs is configured anew, and runs again; the other one is not touched. */
-START_TEST(test_conf)
-{
-    struct plant *plant = run_plant(_i == 0 ? NODES
-                                            : "<NMT_Auto_Start>FALSE</NMT_Auto_Start>" NODES);
-
-    if (_i == 1)
-        ck_assert_int_eq(plant_command(plant, NMT_START, 5), CO_OK);
-    ck_assert_uint_eq(put_concise(plant, 5, concise, sizeof concise), 0);
-    plant_run_ms(plant, 100);
-    expect_value(plant, 5, 0x6200, 0);
-    expect_state(plant, 5, NMT_OPERATIONAL);
-    put(plant, 0x1F25, 5, CONF);
-    plant_run_ms(plant, 100);
-    expect_value(plant, 5, 0x6200, 0x55);
-    expect_state(plant, 5, NMT_OPERATIONAL);
-    ck_assert_str_eq(plant_talk(plant, 5), " w6200:1=55");
-    ck_assert_uint_eq(plant_sent(plant, "000#8005"), 1);
-    ck_assert_uint_eq(plant_sent(plant, "000#8205"), 0);
-    ck_assert_uint_eq(plant_sent(plant, "000#0105"), 2);
-    ck_assert_uint_eq(plant_sent(plant, "000#8006"), 0);
-    ck_assert_uint_eq(plant_said_times(plant, "node 5: booted"), 2);
-    plant_free(plant);
-}
-END_TEST
-
-/* One that is held where it is stays there, started by nobody. */
-START_TEST(test_conf_held)
-{
-    struct plant *plant = run_plant(NODES);
-
-    ck_assert_int_eq(plant_command(plant, NMT_ENTER_PREOPERATIONAL, 5), CO_OK);
-    plant_run_ms(plant, 10);
-    ck_assert_uint_eq(put_concise(plant, 5, concise, sizeof concise), 0);
-    put(plant, 0x1F25, 5, CONF);
-    plant_run_ms(plant, 500);
-    expect_value(plant, 5, 0x6200, 0x55);
-    expect_state(plant, 5, NMT_PREOPERATIONAL);
-    ck_assert_uint_eq(plant_sent(plant, "000#0105"), 1);
-    plant_free(plant);
-}
-END_TEST
-
-/* While it is configured another master stops it: it is not started again. */
-START_TEST(test_conf_stopped)
-{
-    struct plant *plant = run_plant(
-        "<NMT_Auto_Start>FALSE</NMT_Auto_Start>" PLANT_NODE(5, "<SDO_Timeout>1000</SDO_Timeout>"));
-
-    ck_assert_int_eq(plant_command(plant, NMT_START, 5), CO_OK);
-    ck_assert_uint_eq(put_concise(plant, 5, concise, sizeof concise), 0);
-    plant->devices[5]->sim->hold_until = plant->sim.now + CO_MS(50);
-    put(plant, 0x1F25, 5, CONF);
-    plant_run_ms(plant, 10);
-    ck_assert_int_eq(plant_node(plant, 5)->step, BOOT_CONFIGURE);
-    sim_say(&plant->sim, _i == 0 ? "000#8005" : "000#0105");
-    plant_run_ms(plant, 500);
-    ck_assert_uint_eq(plant_sent(plant, "000#0105"), _i == 0 ? 1 : 3);
-    plant_free(plant);
-}
-END_TEST
-
-/* It refuses: it is not started with half of it, and when it is mended the request boots it. */
-START_TEST(test_conf_fails)
-{
-    static const uint8_t refused[] = { 2, 0,    0, 0,    0x00, 0x62, 1, 1, 0, 0,
-                                       0, 0x44, 0, 0x62, 9,    1,    0, 0, 0, 0x77 };
-    struct plant *plant = run_plant(NODES);
-
-    ck_assert_uint_eq(put_concise(plant, 5, refused, sizeof refused), 0);
-    put(plant, 0x1F25, 5, CONF);
-    plant_run_ms(plant, 500);
-    ck_assert(plant_said(plant, "node 5: boot error J: write 6200h:09 = 77h (entry 2 of 2 of the "
-                                "configuration): the node answers abort 06090011h"));
-    expect_state(plant, 5, NMT_PREOPERATIONAL);
-    expect_value(plant, 5, 0x6200, 0x44);
-    ck_assert_uint_eq(put_concise(plant, 5, concise, sizeof concise), 0);
-    plant_run_ms(plant, 500);
-    expect_state(plant, 5, NMT_PREOPERATIONAL);
-    put(plant, 0x1F25, 5, CONF);
-    ck_assert_uint_eq(plant_sent(plant, "000#8205"), 1);
-    plant_run_ms(plant, 500);
-    expect_state(plant, 5, NMT_OPERATIONAL);
-    expect_value(plant, 5, 0x6200, 0x55);
-    plant_free(plant);
-}
-END_TEST
-
-/* The result of a node without a boot of its own: only it is configured. */
-START_TEST(test_conf_watched_only)
-{
-    struct plant *plant = run_plant(
-        PLANT_NODE(5, "<NMT_Auto_Start_Slave>FALSE</NMT_Auto_Start_Slave>"));
-
-    ck_assert_uint_eq(put_concise(plant, 5, concise, sizeof concise), 0);
-    put(plant, 0x1F25, 5, CONF);
-    plant_run_ms(plant, 100);
-    expect_value(plant, 5, 0x6200, 0x55);
-    expect_state(plant, 5, NMT_PREOPERATIONAL);
-    ck_assert_uint_eq(plant_sent(plant, "000#0105"), 0);
-    plant_free(plant);
-}
-END_TEST
-
-static const struct conf {
-    uint8_t sub;
-    uint32_t value, code;
-} confs[] = {
-    { 5, 0x666E6F64, 0x08000021 },  { 6, CONF, NO_DATA },    { 7, CONF, REFUSED },
-    { 77, CONF, REFUSED },          { 0, CONF, 0x06010002 }, { 0x81, CONF, 0x06090011 },
-    { 0x80, CONF + 1, 0x08000021 },
-};
-
-START_TEST(test_conf_refused)
-{
-    struct plant *plant = run_plant(NODES PLANT_NODE(7, "<NMT_Slave>FALSE</NMT_Slave>"));
-    uint8_t read[4];
-    uint32_t size = sizeof read;
-
-    ck_assert_uint_eq(put_concise(plant, 5, concise, sizeof concise), 0);
-    ck_assert_uint_eq(put_concise(plant, 7, concise, sizeof concise), 0);
-    ck_assert_uint_eq(tool_put(plant, 0x1F25, confs[_i].sub, 4, confs[_i].value), confs[_i].code);
-    plant_run_ms(plant, 100);
-    ck_assert_uint_eq(plant_sent(plant, "605#2F"), 0);
-    ck_assert_uint_eq(tool_read(plant, 0x1F25, 5, read, &size), 0x06010001);
-    plant_free(plant);
-}
-END_TEST
-
-/* Not now: it is booted, it is stopped, the network has its boot delay. */
-START_TEST(test_conf_not_now)
-{
-    struct plant *plant = make_plant(NODES);
-
-    plant_run_ms(plant, 50);
-    ck_assert_uint_eq(put_concise(plant, 5, concise, sizeof concise), 0);
-    ck_assert_uint_eq(tool_put(plant, 0x1F25, 5, 4, CONF), NO_TIME);
-    ck_assert_uint_eq(tool_put(plant, 0x1F25, 0x80, 4, CONF), NO_TIME);
-    plant_run_ms(plant, 500);
-    ck_assert_int_eq(plant_command(plant, NMT_STOP, 5), CO_OK);
-    ck_assert_uint_eq(tool_put(plant, 0x1F25, 5, 4, CONF), NO_TIME);
-    ck_assert_int_eq(plant_command(plant, NMT_RESET_NODE, 5), CO_OK);
-    ck_assert_uint_eq(tool_put(plant, 0x1F25, 5, 4, CONF), NO_TIME);
-    plant_run_ms(plant, 500);
-    expect_state(plant, 5, NMT_OPERATIONAL);
-    plant_free(plant);
-}
-END_TEST
-
-/* One that is absent is tried again at once. */
-START_TEST(test_conf_absent)
-{
-    struct plant *plant = run_plant(PLANT_NODE(5, "") PLANT_NODE(9, ""));
-
-    ck_assert_uint_eq(put_concise(plant, 9, concise, sizeof concise), 0);
-    while (plant_node(plant, 9)->step != BOOT_RETRY)
-        plant_run_ms(plant, 10);
-    put(plant, 0x1F25, 9, CONF);
-    ck_assert_uint_eq(plant_sent(plant, "000#8209"), 1);
-    plant_free(plant);
-}
-END_TEST
-
-/* All that have a configuration, and are there. */
-START_TEST(test_conf_all)
-{
-    struct plant *plant = run_plant(NODES PLANT_NODE(7, ""));
-
-    ck_assert_uint_eq(tool_put(plant, 0x1F25, 0x80, 4, CONF), NO_DATA);
-    ck_assert_uint_eq(put_concise(plant, 5, concise, sizeof concise), 0);
-    ck_assert_uint_eq(put_concise(plant, 6, other, sizeof other), 0);
-    put(plant, 0x1F25, 0x80, CONF);
-    plant_run_ms(plant, 100);
-    ck_assert_str_eq(plant_talk(plant, 5), " w6200:1=55");
-    ck_assert_str_eq(plant_talk(plant, 6), " w6200:1=66 w6201:1=77");
-    ck_assert_str_eq(plant_talk(plant, 7), "");
-    for (uint8_t node = 5; node <= 7; node++)
-        expect_state(plant, node, NMT_OPERATIONAL);
-    plant_free(plant);
-}
-END_TEST
-
 int main(void)
 {
     TCase *tcase = tcase_create("config_domains");
@@ -527,6 +338,7 @@ int main(void)
     tcase_add_loop_test(tcase, test_wrong_concise, 0, (int)(sizeof wrongs / sizeof wrongs[0]));
     tcase_add_test(tcase, test_size);
     tcase_add_test(tcase, test_nothing);
+    tcase_add_test(tcase, test_something);
     tcase_add_test(tcase, test_no_master);
     tcase_add_test(tcase, test_no_memory);
     tcase_add_loop_test(tcase, test_replaced_while_written, 0, 2);
@@ -534,14 +346,5 @@ int main(void)
     tcase_add_loop_test(tcase, test_wrong_text, 0,
                         (int)(sizeof wrong_texts / sizeof wrong_texts[0]));
     tcase_add_test(tcase, test_program);
-    tcase_add_loop_test(tcase, test_conf, 0, 2);
-    tcase_add_test(tcase, test_conf_held);
-    tcase_add_loop_test(tcase, test_conf_stopped, 0, 2);
-    tcase_add_test(tcase, test_conf_fails);
-    tcase_add_test(tcase, test_conf_watched_only);
-    tcase_add_loop_test(tcase, test_conf_refused, 0, (int)(sizeof confs / sizeof confs[0]));
-    tcase_add_test(tcase, test_conf_not_now);
-    tcase_add_test(tcase, test_conf_absent);
-    tcase_add_test(tcase, test_conf_all);
     return suite_run("config_domains", tcase);
 }

@@ -2,8 +2,10 @@
  * Memory runs out at each moment of a manager's beginning: it says so, and nothing is left behind.
  */
 #include "support/config_text.h"
+#include "support/dcf_file.h"
 #include "support/suite.h"
 
+#include "manager/config_domains.h"
 #include "manager/manager.h"
 
 #include <stdlib.h>
@@ -90,11 +92,48 @@ START_TEST(test_manager_is_made)
 }
 END_TEST
 
+/* It takes the place of what was there, or that stays. */
+static void write_domain(uint16_t index, const void *bytes, size_t size)
+{
+    const struct slave_value value = { SDO_OK, bytes, (uint32_t)size };
+    struct network_config *config = config_parse_one(text);
+    const struct node_config before = config->nodes[0];
+    sdo_abort_t code = SDO_NO_MEMORY;
+
+    for (unsigned n = 1; code != SDO_OK && n < 10000; n++) {
+        struct node_config changed = before;
+        struct co_report report = { .file = NULL };
+
+        left = n;
+        code = config_domain_set_node(index, config, &changed, &value, &report);
+        left = 0;
+        ck_assert(code == SDO_OK || code == SDO_NO_MEMORY);
+        if (code == SDO_OK)
+            config->nodes[0] = changed;
+    }
+    ck_assert_uint_eq(code, SDO_OK);
+    ck_assert_uint_gt(config_domain_of_node(index, &config->nodes[0]).size, 4);
+    config_domain_free(index, &before);
+    network_config_free(config, 1);
+}
+
+START_TEST(test_domains_are_written)
+{
+    static const uint8_t concise[] = { 1, 0, 0, 0, 0x00, 0x62, 1, 1, 0, 0, 0, 0x55 };
+    static const char dcf[] = OBJECT("2000", VAR("2000", "5", "rw") "ParameterValue=7\n");
+
+    write_domain(0x1F22, concise, sizeof concise);
+    write_domain(0x1F20, dcf, sizeof dcf - 1);
+    write_domain(0x1F58, concise, sizeof concise);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tcase = tcase_create("out_of_memory");
 
     tcase_add_test(tcase, test_file_is_read);
     tcase_add_test(tcase, test_manager_is_made);
+    tcase_add_test(tcase, test_domains_are_written);
     return suite_run("out_of_memory", tcase);
 }

@@ -102,3 +102,27 @@ uint32_t tool_get(struct plant *plant, uint16_t index, uint8_t sub)
     ck_assert_msg(code == 0, "%04Xh:%02X: abort %08Xh", index, sub, code);
     return (uint32_t)get_le(bytes, size);
 }
+
+void tool_set(struct plant *plant, uint16_t index, uint8_t sub, uint32_t value)
+{
+    ck_assert_uint_eq(tool_put(plant, index, sub, 4, value), 0);
+    plant_run_ms(plant, 2);
+}
+
+void tool_boot_all(struct plant *plant)
+{
+    ck_assert_uint_eq(tool_put(plant, 0x1F82, 0x80, 1, 7), 0);
+    plant_run_ms(plant, 1000);
+}
+
+void tool_expect_state(const struct plant *plant, uint8_t node, int state)
+{
+    const int is = plant->devices[node]->slave.state;
+
+    ck_assert_msg(is == state, "node %u is %d, not %d", node, is, state);
+}
+
+void tool_expect_value(const struct plant *plant, uint8_t node, uint16_t index, uint64_t value)
+{
+    ck_assert_uint_eq(od_number(&plant->devices[node]->od, index, 1, 0xDEAD), value);
+}

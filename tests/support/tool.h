@@ -21,4 +21,13 @@ uint32_t tool_read(struct plant *plant, uint16_t index, uint8_t sub, void *bytes
 /* The number; an abort fails the test. */
 uint32_t tool_get(struct plant *plant, uint16_t index, uint8_t sub);
 
+/* Four bytes, which must be taken, and a moment for what follows from that. */
+void tool_set(struct plant *plant, uint16_t index, uint8_t sub, uint32_t value);
+/* Reset communication of all, by 1F82h, and a second. */
+void tool_boot_all(struct plant *plant);
+
+/* What the devices are, and have. */
+void tool_expect_state(const struct plant *plant, uint8_t node, int state);
+void tool_expect_value(const struct plant *plant, uint8_t node, uint16_t index, uint64_t value);
+
 #endif

@@ -71,7 +71,7 @@ def measure_reads(bench):
         return took_all(bench.run("neutral_sdo_client", "-n", NEUTRAL_NODE, "-x", 0x1000, "-m",
                                   "exp-up", "-c", count))["ops_s"]
     with neutral_server(bench):
-        return compare(bench, max, lambda: read_rate(bench, count), neutral, 10)
+        return compare(bench, max, lambda: read_rate(bench, count), neutral, 20)
 
 
 # --- booting ---

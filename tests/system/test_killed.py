@@ -98,6 +98,7 @@ class Killed(plant.PlantTest):
         self.write("five.dcf", dcf(5, standard(5, heartbeat=300)))
         self.write("six.dcf", dcf(6, [
             *standard(6, heartbeat=300), Record(0x1010, [Entry(0x1010, UNSIGNED32, 1)]),
+            Record(0x1011, [Entry(0x1011, UNSIGNED32, 1)]),
             Record(0x1020, [Entry(0x1020, UNSIGNED32, 0, "rw", value) for value in (15000, 7)]),
             Record(0x1F56, [Entry(0x1F56, UNSIGNED32, SOFTWARE, "ro")]),
             Entry(0x2000, VISIBLE_STRING, "", "rw", "more than four bytes"),
@@ -257,8 +258,8 @@ class Killed(plant.PlantTest):
         self.judge_all(self.judge_missed, self.network())
 
     def test_at_once(self):
-        """a mandatory node is killed at each frame, and started again at once"""
-        xml = self.network(NMT_Mandatory_Slave="TRUE")
+        """a mandatory node is killed at each frame, its default values restored; started at once"""
+        xml = self.network(NMT_Mandatory_Slave="TRUE", Restore_Configuration=1)
         self.judge_all(self.judge_at_once, xml, first=1)
 
     def test_compared(self):

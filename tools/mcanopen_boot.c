@@ -6,6 +6,7 @@
 #include "api/load.h"
 #include "api/registry.h"
 #include "mcanopen.h"
+#include "od/abort.h"
 #include "port/clock.h"
 #include "proto/nmt.h"
 
@@ -207,6 +208,23 @@ static void print_troubles(const struct table *table)
     }
 }
 
+/* Several nodes, and not one of them has answered: it is none of them, most likely. */
+static bool is_bus_silent(const struct table *table)
+{
+    unsigned silent = 0;
+
+    for (unsigned i = 0; i < table->count; i++) {
+        const BOOT_RECORD_T *record = &table->rows[i].record;
+
+        if (record->step == MCANOPEN_STEP_IDLE)
+            continue;
+        if (record->booted || record->letter != 'B' || record->abortCode != SDO_TIMEOUT)
+            return false;
+        silent++;
+    }
+    return silent > 1;
+}
+
 static void print_table(const struct table *table)
 {
     size_t width = 4;
@@ -228,6 +246,9 @@ static void print_table(const struct table *table)
         printf("\n");
     }
     print_troubles(table);
+    if (is_bus_silent(table))
+        printf("\nno node answers: check the cable, its termination, the power of the nodes, "
+               "the bit rate, and that this is their interface\n");
 }
 
 static void print_tables(const struct tables *tables)

@@ -75,6 +75,16 @@ class Absent(FaultTest):
         self.assertIn("MISSING", self.row(boot, 5))
         self.assertIn("booted", self.row(boot, 6))
 
+    def test_everybody(self):
+        """no node answers: it is rather the bus; not where one does, with whatever"""
+        xml = self.network(node(5, **IMPATIENT), node(6, **IMPATIENT), node(7, NMT_Slave="FALSE"))
+        boot = self.boot("--once", "--all", "--timeout", 1, xml, code=NOT_UP)
+        self.assert_said(boot, r"^no node answers: check the cable, its termination, ")
+        self.start_sim("--node", 6, self.six)
+        xml = self.network(node(5, **IMPATIENT), node(6, Vendor_Identification=1, **PATIENT))
+        boot = self.boot("--once", "--all", "--timeout", 1, xml, code=NOT_UP)
+        self.assertNotIn("no node answers", boot.out.text())
+
     def test_all(self):
         """an optional node is absent, with --all and --timeout: exit code 1 after that time"""
         self.start_sim("--node", 6, self.six)

@@ -12,6 +12,7 @@ TINY, SMALL, LARGE = 1024, 64 * 1024, 1024 * 1024  # the first one for smoke tes
 DOMAINS = {TINY: 0x2100, SMALL: 0x2101, LARGE: 0x2102}
 TURNS = {SMALL: 20, LARGE: 2}  # one takes 1 s, and 17 s: the best one of a single round
 WRITES = 20  # for each node that is booted
+MEASURABLE = 1000  # transfers; some kernels count processor time in steps of 10 ms
 MODES = {"seg-up": "segmented upload", "seg-dn": "segmented download",
          "blk-up": "block upload", "blk-dn": "block download"}
 
@@ -105,7 +106,10 @@ def neutral_cost(bench, count):
     """The same of the yardstick, which writes as often to one server."""
     result = took_all(bench.run("neutral_sdo_client", "-n", NEUTRAL_NODE, "-x", 0x2100, "-u", 1,
                                 "-m", "exp-dn", "-w", 20, "-c", count))
-    return (result["user_s"] + result["sys_s"]) / count * 1e6
+    used = result["user_s"] + result["sys_s"]
+    if used == 0:
+        raise RuntimeError(f"{count} writes have taken no time that can be measured")
+    return used / count * 1e6
 
 
 def measure_boot(bench):
@@ -114,7 +118,7 @@ def measure_boot(bench):
     def neutral():
         server = bench.start("neutral_slaves", "-f", NEUTRAL_NODE, "-l", NEUTRAL_NODE)
         with bench.while_running(wait_for_socket(server)):
-            return neutral_cost(bench, bench.count(nodes * WRITES))
+            return neutral_cost(bench, max(nodes * WRITES, MEASURABLE))
     with tempfile.TemporaryDirectory() as folder:
         config = network_of(nodes, Path(folder))
         return compare(bench, min, lambda: boot_cost(bench, config, nodes), neutral, 5)

@@ -209,6 +209,7 @@ static int submit(struct managed *managed, const struct sdo_call *call, struct s
     async->result.number = next_number(&managed->asyncs);
     append(&managed->asyncs, async);
     sdo_call_fill(managed, call, &async->request.transfer);
+    async->request.caller = network_caller(managed->network); /* its end is for few to look at */
     manager_submit(managed->manager, (uint8_t)call->node, &async->request, now, out);
     return MCANOPEN_OK;
 }

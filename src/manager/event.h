@@ -41,7 +41,8 @@ enum manager_event {
     MANAGER_REQUEST_DONE,    /* node: a request of the application has ended; actual: its caller */
     MANAGER_SYNC_MISSING,    /* SYNC that the kernel sends for the manager does not come; once */
     MANAGER_NODE_CONFIGURED, /* node: all of its configuration was written; actual: entries */
-    MANAGER_WRITTEN /* node: the manager's own; index, sub: an entry that a client has written */
+    MANAGER_WRITTEN, /* node: the manager's own; index, sub: an entry that a client has written */
+    MANAGER_EVENTS_END
 };
 
 #endif

@@ -94,7 +94,7 @@ class Letters(plant.PlantTest):
     def test_absent(self):
         """B: nothing there"""
         xml = self.write("network.xml", network([node(6, Name="valve", SDO_Timeout=100)], **QUICK))
-        boot = self.boot("--once", "--all", "--timeout", 2.5, xml, code=1)
+        boot = self.boot("--once", "--all", "--timeout", 1.5, xml, code=1)
         self.assertIn('error: node 6 "valve": boot error B: read 1000h:00 device type: no answer '
                       "within 100 ms (3 tries): the node is absent or off, or has another node-ID "
                       "or bit rate", boot.out.text())

@@ -276,6 +276,12 @@ START_TEST(test_failure)
     boot_text_node(&node, text, sizeof text);
     snprintf(expected, sizeof expected, "boot error %s; tried 2 times", failed->text);
     ck_assert_str_eq(text, expected);
+    node.step = BOOT_DEVICE_TYPE; /* in the middle of the next try */
+    boot_text_node(&node, text, sizeof text);
+    ck_assert_str_eq(text, expected);
+    node.attempts = 0; /* since its boot-up message */
+    boot_text_node(&node, text, sizeof text);
+    ck_assert_ptr_null(strstr(text, "tried"));
     node.booted = true;
     node.step = BOOT_STARTED;
     boot_text_node(&node, text, sizeof text);

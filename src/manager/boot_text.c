@@ -327,7 +327,7 @@ void boot_text_node(const struct boot_node *node, char *text, size_t size)
 
     if (node->failure.letter && !node->booted) {
         text_add_failure(&line, node->config, &node->failure);
-        if (node->step == BOOT_RETRY)
+        if (node->step != BOOT_FAILED && node->attempts > 0) /* it is tried again, now or soon */
             text_add(&line, "; tried %u time%s", node->attempts, node->attempts == 1 ? "" : "s");
         return;
     }

@@ -240,7 +240,6 @@ void boot_node_configure(struct boot_node *self, co_us_t now, struct co_outbox *
     self->start_again |= runs;
     self->kept_alive = false;
     self->attempts = 0;
-    self->restoring = RESTORE_TO_COME;
     supervision_stop(&self->supervision);
     enter_restore(self, now, out);
 }

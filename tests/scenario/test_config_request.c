@@ -112,6 +112,47 @@ START_TEST(test_conf_stopped)
 }
 END_TEST
 
+/* One that was found running and left so is configured now, and started behind that. */
+START_TEST(test_conf_kept_alive)
+{
+    struct plant *plant = make_plant(
+        PLANT_NODE(5, "<NMT_Check_Nodestate>TRUE</NMT_Check_Nodestate>"
+                      "<Guard_Time>50</Guard_Time><Life_Time_Factor>3</Life_Time_Factor>"));
+
+    sim_say(&plant->sim, "000#0105");
+    plant_run_ms(plant, 1000);
+    ck_assert(plant_node(plant, 5)->kept_alive);
+    ck_assert_uint_eq(put_concise(plant, 5, concise, sizeof concise), 0);
+    tool_set(plant, 0x1F25, 5, CONF);
+    plant_run_ms(plant, 500);
+    ck_assert(!plant_node(plant, 5)->kept_alive);
+    tool_expect_value(plant, 5, 0x6200, 0x55);
+    tool_expect_state(plant, 5, NMT_OPERATIONAL);
+    plant_free(plant);
+}
+END_TEST
+
+/* What it has to write takes it longer than it may be silent: it is not watched meanwhile. */
+START_TEST(test_conf_slow)
+{
+    struct plant *plant = run_plant(
+        PLANT_NODE(5, "<SDO_Timeout>2000</SDO_Timeout>"
+                      "<Guard_Time>50</Guard_Time><Life_Time_Factor>3</Life_Time_Factor>"));
+
+    ck_assert_uint_eq(put_concise(plant, 5, concise, sizeof concise), 0);
+    plant->devices[5]->sim->hold_until = plant->sim.now + CO_MS(400);
+    tool_set(plant, 0x1F25, 5, CONF);
+    plant_run_ms(plant, 300);
+    ck_assert_int_eq(plant_node(plant, 5)->step, BOOT_CONFIGURE);
+    ck_assert(!plant_node(plant, 5)->booted);
+    plant_run_ms(plant, 500);
+    tool_expect_state(plant, 5, NMT_OPERATIONAL);
+    ck_assert(!plant_said(plant, "no answer to guarding"));
+    ck_assert_uint_eq(plant_sent(plant, "000#8205"), 0);
+    plant_free(plant);
+}
+END_TEST
+
 /* It refuses: it is not started with half of it, and when it is mended the request boots it. */
 START_TEST(test_conf_fails)
 {
@@ -271,6 +312,8 @@ int main(void)
     tcase_add_loop_test(tcase, test_conf, 0, 2);
     tcase_add_test(tcase, test_conf_held);
     tcase_add_loop_test(tcase, test_conf_stopped, 0, 2);
+    tcase_add_test(tcase, test_conf_kept_alive);
+    tcase_add_test(tcase, test_conf_slow);
     tcase_add_loop_test(tcase, test_conf_fails, 0, 2);
     tcase_add_loop_test(tcase, test_conf_watched_only, 0, 2);
     tcase_add_test(tcase, test_conf_changed);

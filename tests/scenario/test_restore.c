@@ -241,6 +241,23 @@ START_TEST(test_unheard)
 }
 END_TEST
 
+/* It was restored, then it is reset for another reason: that is not waited for. */
+START_TEST(test_reset_again)
+{
+    struct plant *plant = make_plant("<Restore_Configuration>1</Restore_Configuration>");
+
+    plant_lie(plant, "605#2F016201", NULL, 1);
+    power_on(plant);
+    while (plant_node(plant, 5)->step != BOOT_RETRY)
+        plant_run_ms(plant, 1);
+    plant_lie(plant, "705#00", NULL, 1);
+    plant_run_ms(plant, 1500);
+    ck_assert_uint_eq(plant_sent(plant, "000#8205"), 1);
+    expect_up(plant, 0);
+    plant_free(plant);
+}
+END_TEST
+
 /* 1F25h: a running node is restored, and booted behind that; one that is only watched is not. */
 START_TEST(test_conf)
 {
@@ -288,6 +305,7 @@ int main(void)
     tcase_add_test(tcase, test_refused);
     tcase_add_loop_test(tcase, test_late, 0, 2);
     tcase_add_test(tcase, test_unheard);
+    tcase_add_test(tcase, test_reset_again);
     tcase_add_loop_test(tcase, test_conf, 0, 2);
     tcase_add_test(tcase, test_changed);
     return suite_run("restore", tcase);

@@ -202,6 +202,28 @@ void sdo_client_start(struct sdo_client *self, const struct sdo_transfer *transf
     request_initiate(self, now, out);
 }
 
+static unsigned wanted_answer(const struct sdo_client *self)
+{
+    if (self->in_blocks)
+        return self->transfer.download ? ANSWER_BLOCK_DOWNLOAD : ANSWER_BLOCK_UPLOAD;
+    return self->transfer.download ? ANSWER_DOWNLOAD : ANSWER_UPLOAD;
+}
+
+/* The answer may come all the same. */
+static void give_up(struct sdo_client *self)
+{
+    if (self->state == SDO_CLIENT_INITIATE)
+        self->owed_answers |= (uint8_t)(1u << wanted_answer(self));
+    else
+        self->owes_segment = true;
+}
+
+/* A transfer before has not waited for one of this kind, maybe for the same object. */
+static bool is_owed(const struct sdo_client *self, unsigned answer)
+{
+    return (self->owed_answers >> answer & 1u) != 0;
+}
+
 /* A server that has heard of a block download takes all but an abort for its segments. */
 static bool is_server_free(const struct sdo_client *self)
 {
@@ -217,7 +239,7 @@ bool sdo_client_cancel(struct sdo_client *self, sdo_abort_t code, struct co_outb
         return true;
     }
     self->farewell = is_server_free(self) ? 0 : ABORT;
-    self->owes_segment |= self->state != SDO_CLIENT_INITIATE;
+    give_up(self);
     sdo_client_finish(self, SDO_OUTCOME_CANCELLED, code, out);
     return true;
 }
@@ -305,13 +327,6 @@ static bool names_object(uint8_t command)
     }
 }
 
-static unsigned wanted_answer(const struct sdo_client *self)
-{
-    if (self->in_blocks)
-        return self->transfer.download ? ANSWER_BLOCK_DOWNLOAD : ANSWER_BLOCK_UPLOAD;
-    return self->transfer.download ? ANSWER_DOWNLOAD : ANSWER_UPLOAD;
-}
-
 static void on_initiate_answer(struct sdo_client *self, const struct co_frame *frame, co_us_t now,
                                struct co_outbox *out)
 {
@@ -324,6 +339,8 @@ static void on_initiate_answer(struct sdo_client *self, const struct co_frame *f
     self->owes_segment = false;
     if (answer == ANSWER_UPLOAD && !self->transfer.download) /* in blocks, too, for few bytes */
         on_upload(self, frame, now, out);
+    else if (answer != wanted_answer(self) && is_owed(self, answer))
+        self->late++;
     else if (answer != wanted_answer(self))
         sdo_client_finish_unexpected(self, out);
     else if (answer == ANSWER_DOWNLOAD)
@@ -385,7 +402,7 @@ static void on_segment_answer(struct sdo_client *self, const struct co_frame *fr
     const unsigned wanted = self->transfer.download ? ANSWER_DOWNLOAD_SEGMENT
                                                     : ANSWER_UPLOAD_SEGMENT;
 
-    if (answer > ANSWER_DOWNLOAD_SEGMENT && !is_same_object(self, frame))
+    if (answer > ANSWER_DOWNLOAD_SEGMENT && (!is_same_object(self, frame) || is_owed(self, answer)))
         self->late++;
     else if (answer != wanted)
         sdo_client_finish_unexpected(self, out);
@@ -512,7 +529,7 @@ static void on_deadline(struct sdo_client *self, co_us_t now, struct co_outbox *
         sdo_client_end_sub_block(self, now, out);
         return;
     }
-    self->owes_segment |= self->state != SDO_CLIENT_INITIATE;
+    give_up(self);
     if (self->on_wire)
         sdo_client_finish_and_tell(self, SDO_OUTCOME_NO_ANSWER, SDO_TIMEOUT, out);
     else

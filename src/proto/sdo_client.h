@@ -21,7 +21,8 @@
  * or when the server has been silent for half the time-out.
  *
  * Late answers are ignored and counted: those for another object, those to an idle client, and
- * segments that the server still owes to the transfer before. An abort counts as the server's when
+ * what the server still owes to transfers before: segments, and first answers of another kind for
+ * the same object. (One of the same kind for the same object cannot be told from the awaited one.) An abort counts as the server's when
  * its object is the one asked for, or 0000h:00, as some devices send it.
  *
  *   owner    the manager: one client for each remote node
@@ -78,13 +79,14 @@ struct sdo_transfer {
 
 struct sdo_client {
     uint8_t node;
-    uint8_t state;       /* enum sdo_client_state */
-    bool unsent;         /* a request is due, or segments are, that found no room in the outbox */
-    bool on_wire;        /* the last request was confirmed; the time-out runs */
-    bool toggle;         /* bit of the segment asked for, or sent, last */
-    bool owes_segment;   /* the transfer before ended without the answer to its last segment */
-    bool in_blocks;      /* asked for, and not refused so far */
-    sdo_abort_t refusal; /* of blocks; the transfer goes on without */
+    uint8_t state;        /* enum sdo_client_state */
+    bool unsent;          /* a request is due, or segments are, that found no room in the outbox */
+    bool on_wire;         /* the last request was confirmed; the time-out runs */
+    bool toggle;          /* bit of the segment asked for, or sent, last */
+    bool owes_segment;    /* the transfer before ended without the answer to its last segment */
+    uint8_t owed_answers; /* bits by enum answer: transfers were given up without this first one */
+    bool in_blocks;       /* asked for, and not refused so far */
+    sdo_abort_t refusal;  /* of blocks; the transfer goes on without */
     struct sdo_transfer transfer;
     uint8_t request[8]; /* what was, or is to be, sent last */
     union {

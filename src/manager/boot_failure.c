@@ -19,6 +19,12 @@ static bool is_passing(sdo_abort_t code)
     return code == SDO_NO_CONNECTION || code == SDO_DEVICE_STATE || code == SDO_TIMEOUT;
 }
 
+/* The same among the segments. */
+static bool is_of_segments(sdo_abort_t code)
+{
+    return code == SDO_TOGGLE || code == SDO_BLOCK_SEQUENCE || code == SDO_BLOCK_CRC;
+}
+
 /* Answers that fit no request: who else speaks there may have ended next time. */
 static bool is_garbled(const struct boot_failure *self)
 {
@@ -26,7 +32,7 @@ static bool is_garbled(const struct boot_failure *self)
 }
 
 /*
- * No answer, or an answer that says "not now", may be another one next time. A configuration is not
+ * No answer, or one that says "not now", or that frames were lost, may be another one next time. A configuration is not
  * repeated in parts: the next attempt starts with a reset of the node.
  */
 bool boot_failure_is_worth_a_retry(const struct boot_failure *self, unsigned attempts)
@@ -34,9 +40,12 @@ bool boot_failure_is_worth_a_retry(const struct boot_failure *self, unsigned att
     if (self->outcome == SDO_OUTCOME_NO_ANSWER || self->outcome == SDO_OUTCOME_NOT_SENT ||
         self->outcome == SDO_OUTCOME_CANCELLED)
         return true;
+    if (self->letter == 'E' || self->letter == 'F') /* nothing is done to it but asking */
+        return true;
     if (self->letter == 'B' || (is_garbled(self) && attempts < GARBLED_ATTEMPTS))
         return true;
-    return self->outcome == SDO_OUTCOME_ABORTED && is_passing(self->abort_code);
+    return self->outcome == SDO_OUTCOME_ABORTED &&
+           (is_passing(self->abort_code) || is_of_segments(self->abort_code));
 }
 
 struct co_event boot_failure_event(const struct boot_failure *self)

@@ -16,7 +16,7 @@ struct boot_failure {
     char letter;  /* CiA 302-2 status B..O; 0: none */
     uint8_t step; /* enum boot_step */
     /* enum sdo_outcome; SDO_OUTCOME_OK: a value that differs, or no heartbeat; CANCELLED: the node
-     * has started anew in the middle of its update */
+     * has started anew in the middle of its update, or BOOT_RESTARTS times of its boot */
     uint8_t outcome;
     uint16_t index;
     uint8_t sub;

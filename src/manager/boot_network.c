@@ -14,6 +14,7 @@ static void put_event(struct manager *self, struct co_event event)
 
 void boot_network_take_back(struct manager *self, struct boot_node *node, co_us_t now)
 {
+    manager_touch(self, node->config->node_id);
     node->request_due = false;
     if (node->request.state == REQUEST_QUEUED || node->request.state == REQUEST_RUNNING)
         sdo_channel_cancel(&self->channels[node->config->node_id], &node->request, SDO_OK, now,
@@ -26,6 +27,7 @@ static void forget_nodes(struct manager *self, co_us_t now)
         boot_network_take_back(self, node, now);
         boot_node_stop(node);
     }
+    self->complete = false;
     self->up_told = false;
     self->start_all_due = false;
     self->stop_all_due = false;
@@ -116,7 +118,6 @@ static void submit(struct manager *self, struct boot_node *node, co_us_t now)
 
 void boot_network_reboot(struct manager *self, struct boot_node *node, co_us_t now)
 {
-    manager_touch(self, node->config->node_id);
     boot_network_take_back(self, node, now);
     boot_node_begin(node, now, &self->inner);
     submit(self, node, now);
@@ -130,9 +131,15 @@ void boot_network_configure(struct manager *self, struct boot_node *node, co_us_
     submit(self, node, now);
 }
 
+void boot_network_boot_again(struct manager *self, struct boot_node *node, co_us_t now)
+{
+    boot_network_take_back(self, node, now);
+    if (boot_node_may_begin_anew(node, now, &self->inner))
+        boot_network_reboot(self, node, now);
+}
+
 void boot_network_go_on_updating(struct manager *self, struct boot_node *node, co_us_t now)
 {
-    manager_touch(self, node->config->node_id);
     boot_network_take_back(self, node, now);
     software_on_boot_up(node, now, &self->inner);
     submit(self, node, now);
@@ -141,7 +148,6 @@ void boot_network_go_on_updating(struct manager *self, struct boot_node *node, c
 void boot_network_reset_node(struct manager *self, struct boot_node *node, enum nmt_command command,
                              co_us_t now)
 {
-    manager_touch(self, node->config->node_id);
     boot_network_take_back(self, node, now);
     boot_node_reset(node, command, now, &self->inner);
 }
@@ -213,6 +219,15 @@ void boot_network_operate(struct manager *self, co_us_t now)
     reset_lost_nodes(self, now);
 }
 
+/* No device state of its own: it is one that the master commands itself. */
+void boot_network_go_on_booting(struct manager *self, co_us_t now)
+{
+    self->state = NETWORK_BOOTING;
+    touch_all(self);
+    slave_command(&self->device, NMT_ENTER_PREOPERATIONAL, now, &self->inner);
+    reset_lost_nodes(self, now);
+}
+
 void boot_network_go(struct manager *self, co_us_t now)
 {
     boot_network_operate(self, now);
@@ -267,6 +282,7 @@ static void check_booting(struct manager *self, co_us_t now)
     if (roll->missing == 0)
         self->boot_limit = CO_NEVER; /* kept: the limit is for mandatory nodes */
     if (roll->missing == 0 && roll->in_progress == 0) {
+        self->complete = true;
         if (self->rules.auto_operational)
             boot_network_go(self, now);
         else

@@ -42,6 +42,8 @@ void boot_network_suspend(struct manager *self, co_us_t now);
 void boot_network_resume(struct manager *self, co_us_t now);
 /* Decides, after anything has changed, whether the network goes operational or is halted. */
 void boot_network_check(struct manager *self, co_us_t now);
+/* It was stopped before all mandatory nodes had booted: the start that is ordered has to wait. */
+void boot_network_go_on_booting(struct manager *self, co_us_t now);
 /* The manager goes operational and starts the slaves that are booted. */
 void boot_network_go(struct manager *self, co_us_t now);
 /* Operational, but starts nobody; goes on with what was lost while all were stopped. */
@@ -65,6 +67,8 @@ void boot_network_take_back(struct manager *self, struct boot_node *node, co_us_
 void boot_network_reboot(struct manager *self, struct boot_node *node, co_us_t now);
 /* Writes its configuration to a node that has booted, or begins that anew. */
 void boot_network_configure(struct manager *self, struct boot_node *node, co_us_t now);
+/* The same because of its boot-up message, unless that is one too many in mid boot. */
+void boot_network_boot_again(struct manager *self, struct boot_node *node, co_us_t now);
 /* In the middle of a software update, which goes on. */
 void boot_network_go_on_updating(struct manager *self, struct boot_node *node, co_us_t now);
 void boot_network_reset_node(struct manager *self, struct boot_node *node, enum nmt_command command,

@@ -41,7 +41,7 @@ void boot_node_enter(struct boot_node *self, enum boot_step step, struct co_outb
 {
     self->step = (uint8_t)step;
     self->deadline = CO_NEVER;
-    if (step == BOOT_DEVICE_TYPE && self->told.letter == 'B')
+    if ((step == BOOT_DEVICE_TYPE || self->unanswered) && self->told.letter == 'B')
         return; /* an absent node is asked each second: not news */
     boot_node_put_event(
         self,
@@ -64,9 +64,12 @@ void boot_node_fail(struct boot_node *self, const struct boot_failure *failure, 
     self->history.failed_at = now;
     self->tried = true;
     self->booted = false;
+    if (failure->outcome != SDO_OUTCOME_CANCELLED)
+        self->restarts = 0;
     if (failure->letter == 'B') {
         self->nmt_state = NMT_INITIALISING;
-        self->absent = failure->outcome != SDO_OUTCOME_ABORTED;
+        self->absent = failure->outcome != SDO_OUTCOME_ABORTED &&
+                       failure->outcome != SDO_OUTCOME_CANCELLED;
         self->state_known = false;
     }
     if (!boot_failure_is_same(failure, &self->told)) {
@@ -80,18 +83,10 @@ void boot_node_fail(struct boot_node *self, const struct boot_failure *failure, 
     self->reset_command = (uint8_t)boot_node_reset_command(self);
 }
 
-void boot_node_fail_request(struct boot_node *self, char letter, co_us_t now, struct co_outbox *out)
+static void fail_at_entry(struct boot_node *self, struct boot_failure failure, co_us_t now,
+                          struct co_outbox *out)
 {
-    const struct co_event *result = &self->request.result;
-    struct boot_failure failure = {
-        .letter = letter,
-        .step = self->step,
-        .outcome = result->detail,
-        .index = result->index,
-        .sub = result->sub,
-        .abort_code = result->code,
-    };
-
+    failure.step = self->step;
     if (self->step == BOOT_CONFIGURE) {
         failure.entry = self->entry_number;
         failure.size = self->entry.size < UINT8_MAX ? (uint8_t)self->entry.size : UINT8_MAX;
@@ -101,12 +96,27 @@ void boot_node_fail_request(struct boot_node *self, char letter, co_us_t now, st
     boot_node_fail(self, &failure, now, out);
 }
 
+void boot_node_fail_request(struct boot_node *self, char letter, co_us_t now, struct co_outbox *out)
+{
+    const struct co_event *result = &self->request.result;
+    const struct boot_failure failure = {
+        .letter = letter,
+        .outcome = result->detail,
+        .index = result->index,
+        .sub = result->sub,
+        .abort_code = result->code,
+    };
+
+    fail_at_entry(self, failure, now, out);
+}
+
 void boot_node_succeed(struct boot_node *self, co_us_t now, struct co_outbox *out)
 {
     self->tried = true;
     self->booted = true;
     self->reset_repeated = false;
     self->attempts = 0;
+    self->restarts = 0;
     self->software.tries = 0;
     self->restoring = RESTORE_TO_COME;
     self->failure = (struct boot_failure){ .letter = 0 };
@@ -160,6 +170,12 @@ void boot_node_enter_error_control(struct boot_node *self, co_us_t now, struct c
         boot_node_succeed(self, now, out);
 }
 
+static void ask_for_state(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    boot_node_enter(self, BOOT_CHECK_STATE, out);
+    self->deadline = supervision_ask(&self->supervision, self->config, now, out);
+}
+
 /* A node to be kept alive is left alone if it is operational. */
 static void enter_check_state(struct boot_node *self, co_us_t now, struct co_outbox *out)
 {
@@ -167,8 +183,7 @@ static void enter_check_state(struct boot_node *self, co_us_t now, struct co_out
         software_enter(self, now, out);
         return;
     }
-    boot_node_enter(self, BOOT_CHECK_STATE, out);
-    self->deadline = supervision_ask(&self->supervision, self->config, now, out);
+    ask_for_state(self, now, out);
 }
 
 struct identity {
@@ -251,8 +266,31 @@ static bool has_missed_reset(const struct boot_node *self)
            !self->config->check_node_state;
 }
 
+/*
+ * A stopped node has no SDO. Others have been reset before; one to be kept alive, without a
+ * heartbeat that tells it, has to be asked.
+ */
+static bool may_be_stopped(const struct boot_node *self)
+{
+    return self->config->check_node_state && !self->state_known &&
+           self->config->consumer_heartbeat_time == 0 &&
+           self->request.result.detail == SDO_OUTCOME_NO_ANSWER;
+}
+
+void boot_node_fail_unanswered(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    self->unanswered = false;
+    self->step = BOOT_DEVICE_TYPE;
+    boot_node_fail_request(self, 'B', now, out);
+}
+
 static void on_device_type(struct boot_node *self, bool ok, co_us_t now, struct co_outbox *out)
 {
+    if (!ok && may_be_stopped(self)) {
+        self->unanswered = true;
+        ask_for_state(self, now, out);
+        return;
+    }
     if (!ok) {
         boot_node_fail_request(self, 'B', now, out);
         return;
@@ -271,6 +309,11 @@ static void on_device_type(struct boot_node *self, bool ok, co_us_t now, struct 
 
 void boot_node_on_state_known(struct boot_node *self, co_us_t now, struct co_outbox *out)
 {
+    if (self->unanswered && self->supervision.last_state != NMT_STOPPED) {
+        boot_node_fail_unanswered(self, now, out);
+        return;
+    }
+    self->unanswered = false;
     self->nmt_state = self->supervision.last_state;
     if (self->nmt_state == NMT_OPERATIONAL) {
         self->kept_alive = true;
@@ -318,6 +361,41 @@ void boot_node_on_sdo(struct boot_node *self, co_us_t now, struct co_outbox *out
         on_answer[self->step](self, result->detail == SDO_OUTCOME_OK, now, out);
 }
 
+/* --- a restart in the middle of it --- */
+
+/* 0: not in this step. */
+static char letter_of_restart(const struct boot_node *self)
+{
+    switch (self->step) {
+    case BOOT_DEVICE_TYPE: return 'B';
+    case BOOT_IDENTITY: return identity_of(self, self->part).letter;
+    case BOOT_CHECK_SOFTWARE: return 'G';
+    case BOOT_CHECK_CONFIGURATION:
+    case BOOT_RESTORE:
+    case BOOT_CONFIGURE:
+    case BOOT_SAVE: return 'J';
+    case BOOT_ERROR_CONTROL: return 'K';
+    default: return 0;
+    }
+}
+
+/* One or two are usual: a boot loader, a device that comes up slowly. */
+bool boot_node_may_begin_anew(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    const bool asks = self->step != BOOT_ERROR_CONTROL;
+    const struct boot_failure failure = {
+        .letter = letter_of_restart(self),
+        .outcome = SDO_OUTCOME_CANCELLED,
+        .index = asks ? self->request.transfer.index : 0,
+        .sub = asks ? self->request.transfer.sub : 0,
+    };
+
+    if (failure.letter == 0 || ++self->restarts < BOOT_RESTARTS)
+        return true;
+    fail_at_entry(self, failure, now, out);
+    return false;
+}
+
 /* --- orders of the owner --- */
 
 /* It is being reset. */
@@ -344,6 +422,7 @@ void boot_node_stop(struct boot_node *self)
     self->kept_alive = false;
     self->request_due = false;
     self->attempts = 0;
+    self->restarts = 0;
     self->software.tries = 0;
     self->restoring = RESTORE_TO_COME;
     self->nmt_state = NMT_INITIALISING;
@@ -362,6 +441,7 @@ void boot_node_begin(struct boot_node *self, co_us_t now, struct co_outbox *out)
     self->held = false;
     self->lost = false;
     self->kept_alive = false;
+    self->unanswered = false;
     supervision_stop(&self->supervision);
     if (!self->config->auto_start_slave) { /* only its error control is the master's */
         boot_node_enter_error_control(self, now, out);

@@ -37,6 +37,7 @@
 #include "proto/nmt.h"
 
 #define BOOT_READ_TRIES     3u           /* of a read that gets no answer */
+#define BOOT_RESTARTS       3u           /* of the node in mid boot: that many are a failure */
 #define BOOT_RETRY_INTERVAL CO_MS(1000)  /* CiA 302-2: until the next attempt */
 #define BOOT_FLASH_TIMEOUT  CO_MS(10000) /* for objects that make a device write its flash */
 #define BOOT_RESTORE_LIMIT  CO_MS(10000) /* for the boot-up message of a device that was restored */
@@ -86,6 +87,7 @@ struct boot_node {
     bool reset_repeated; /* because it has missed it; once until it has booted */
     uint8_t unfollowed;  /* heartbeats that tell another state than the start command asked for */
     bool state_known;    /* CHECK_STATE: it was reset, it need not be asked again */
+    bool unanswered;     /* CHECK_STATE: it may be stopped, because it has not answered before */
     bool kept_alive;     /* it was found operational: not configured, not started */
     bool lost;           /* silent, and left to the application */
     bool held;           /* taken out of operation by the application: only it starts the node */
@@ -93,6 +95,7 @@ struct boot_node {
     uint8_t reset_command;
     co_us_t deadline;
     unsigned attempts; /* since its last boot, or boot-up message */
+    unsigned restarts; /* boot-up messages in mid boot, since its last boot or other failure */
     struct boot_failure failure;
     struct boot_history history;
     struct boot_failure told; /* last failure reported, not to report it again each second */
@@ -146,6 +149,11 @@ void boot_node_stop(struct boot_node *self);
 /* Its boot-up message: the owner decides what to do about it. */
 void boot_node_on_boot_up(struct boot_node *self, const struct co_frame *frame, co_us_t now,
                           struct co_outbox *out);
+/*
+ * Behind that, where its boot is to begin anew: false for a node that restarts in mid boot again
+ * and again, whose attempt has failed therefore.
+ */
+bool boot_node_may_begin_anew(struct boot_node *self, co_us_t now, struct co_outbox *out);
 /* The same in step UPDATE_SOFTWARE, behind that: the update goes on. */
 void software_on_boot_up(struct boot_node *self, co_us_t now, struct co_outbox *out);
 void boot_node_on_sdo(struct boot_node *self, co_us_t now, struct co_outbox *out);

@@ -85,6 +85,9 @@ bool boot_node_on_silence(struct boot_node *self, co_us_t now, struct co_outbox 
 
     if (!checks && self->step != BOOT_ERROR_CONTROL)
         return false;
-    boot_node_fail(self, &failure, now, out);
+    if (checks && self->unanswered)
+        boot_node_fail_unanswered(self, now, out);
+    else
+        boot_node_fail(self, &failure, now, out);
     return true;
 }

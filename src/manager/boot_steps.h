@@ -28,6 +28,8 @@ void boot_node_fail_request(struct boot_node *self, char letter, co_us_t now,
 void boot_node_succeed(struct boot_node *self, co_us_t now, struct co_outbox *out);
 /* CHECK_STATE: it has told. */
 void boot_node_on_state_known(struct boot_node *self, co_us_t now, struct co_outbox *out);
+/* ... or has not, after it has not answered to the first read either. */
+void boot_node_fail_unanswered(struct boot_node *self, co_us_t now, struct co_outbox *out);
 void boot_node_enter_error_control(struct boot_node *self, co_us_t now, struct co_outbox *out);
 
 /* configure_node.c: CHECK_CONFIGURATION, CONFIGURE and SAVE (CiA 302-3); on to error control */

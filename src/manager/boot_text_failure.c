@@ -128,7 +128,10 @@ static void add_command_failure(struct text *text, const struct node_config *con
                  failure->expected, failure->index, failure->sub);
         return;
     }
-    text_add(text, "write %04Xh:%02X \"%s\": ", failure->index, failure->sub, signature);
+    if (failure->step == BOOT_CHECK_CONFIGURATION)
+        text_add(text, "read %04Xh:%02X: ", failure->index, failure->sub);
+    else
+        text_add(text, "write %04Xh:%02X \"%s\": ", failure->index, failure->sub, signature);
     add_outcome(text, config, failure);
     text_add_advice(text, failure);
 }
@@ -182,6 +185,8 @@ static void add_silence(struct text *text, const struct node_config *config,
                  "no heartbeat within %u ms: the state of this node, which is to be kept alive "
                  "(NMT_Check_Nodestate), is not known; it is not reset: reset it by hand",
                  failure->expected);
+    else if (failure->outcome == SDO_OUTCOME_CANCELLED)
+        text_add(text, "the node has started anew while its heartbeat was waited for");
     else
         text_add_heartbeat_advice(text, config, failure);
 }

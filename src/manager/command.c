@@ -27,7 +27,9 @@ static enum co_err command_self(struct manager *self, enum nmt_command command, 
         boot_network_begin(self, command, now);
         return CO_OK;
     }
-    if (command == NMT_START && self->state != NETWORK_OPERATIONAL) {
+    if (command == NMT_START && !self->complete) {
+        boot_network_go_on_booting(self, now);
+    } else if (command == NMT_START && self->state != NETWORK_OPERATIONAL) {
         boot_network_go(self, now);
     } else if (command != NMT_START) {
         slave_command(&self->device, command, now, &self->inner);
@@ -51,6 +53,10 @@ static enum co_err start_all(struct manager *self, co_us_t now)
 {
     bool is_ready = boot_network_is_ready(self);
 
+    if (!self->complete) {
+        boot_network_go_on_booting(self, now);
+        return CO_OK;
+    }
     if (self->state != NETWORK_OPERATIONAL)
         boot_network_operate(self, now);
     if (is_ready)

@@ -27,7 +27,7 @@ static void on_boot_up(struct manager *self, uint8_t node_id, const struct co_fr
     if (node->step == BOOT_UPDATE_SOFTWARE)
         boot_network_go_on_updating(self, node, now);
     else if (node->step != BOOT_RESET)
-        boot_network_reboot(self, node, now);
+        boot_network_boot_again(self, node, now);
 }
 
 /* A second manager, most often; the answers to SDO requests of both get mixed up. */

@@ -66,12 +66,13 @@ struct manager {
     struct co_set moved;           /* their deadlines are not in these: */
     struct co_deadlines deadlines; /* of nodes with their channels, by node-ID */
     struct roll_call roll;
-    co_us_t progress;   /* an SDO request has got on the wire last */
-    uint8_t state;      /* enum boot_network_state */
-    bool bus_lost;      /* see manager_on_bus() */
-    bool up_told;       /* MANAGER_NETWORK_UP was given since the last start */
-    bool reset_due;     /* RESETTING: the command is still to be sent */
-    bool reset_each;    /* ... to each node that has reset_due, not to all */
+    co_us_t progress; /* an SDO request has got on the wire last */
+    uint8_t state;    /* enum boot_network_state */
+    bool bus_lost;    /* see manager_on_bus() */
+    bool complete;   /* since it was begun all mandatory nodes have booted, the others were tried */
+    bool up_told;    /* MANAGER_NETWORK_UP was given since the last start */
+    bool reset_due;  /* RESETTING: the command is still to be sent */
+    bool reset_each; /* ... to each node that has reset_due, not to all */
     bool start_all_due; /* NMT start all is still to be sent */
     bool stop_all_due;  /* NMT stop all is still to be sent */
     bool shut;          /* no more SDO requests of the application */

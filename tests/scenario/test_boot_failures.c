@@ -80,6 +80,14 @@ static const struct failure {
     { "last write refused", "", "605#23006202", "585#8000620230000906", 1000, 'J', BOOT_FAILED,
       "J: write 6200h:02 = 12345678h (entry 2 of 2 of the configuration): the node answers abort "
       "06090030h" },
+    { "a segment of a write was lost", "", "605#23006202", "585#8000620200000405", 1000, 'J',
+      BOOT_RETRY,
+      "J: write 6200h:02 = 12345678h (entry 2 of 2 of the configuration): the node answers abort "
+      "05040000h, SDO protocol timed out" },
+    { "a segment of a block was lost", "", "605#23006202", "585#8000620203000405", 1000, 'J',
+      BOOT_RETRY,
+      "J: write 6200h:02 = 12345678h (entry 2 of 2 of the configuration): the node answers abort "
+      "05040003h" },
     { "refused with a code of the manufacturer", "", "605#23006202", "585#80006202EFBEADDE", 1000,
       'J', BOOT_FAILED,
       "J: write 6200h:02 = 12345678h (entry 2 of 2 of the configuration): the node answers abort "

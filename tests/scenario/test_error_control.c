@@ -201,6 +201,34 @@ START_TEST(test_stop_all_in_mid_boot)
 }
 END_TEST
 
+/*
+ * A mandatory node has never come, another one that has booted is lost, and all are stopped: the
+ * start that is ordered then waits for both of them.
+ */
+START_TEST(test_stop_all_before_all_have_booted)
+{
+    struct plant *plant = make_plant(ACTION(STOP_ALL) PLANT_NODE(5, HEARTBEAT MANDATORY)
+                                         PLANT_NODE(6, MANDATORY));
+
+    plant_power_on(plant);
+    plant_power(plant, 6, false);
+    plant_run_ms(plant, 2000);
+    plant_power(plant, 5, false);
+    plant_run_ms(plant, 2000);
+    ck_assert_int_eq(plant->manager->state, NETWORK_STOPPED);
+    ck_assert_int_eq(plant_command(plant, NMT_START, _i ? 0 : 127), CO_OK);
+    plant_power(plant, 5, true);
+    plant_run_ms(plant, 3000);
+    ck_assert(plant_node(plant, 5)->booted);
+    ck_assert_int_ne(plant->manager->device.state, NMT_OPERATIONAL);
+    ck_assert_uint_eq(plant_sent(plant, "000#01"), 0);
+    plant_power(plant, 6, true);
+    plant_run_ms(plant, 3000);
+    watch_expect_up(plant, "is not up in the end");
+    plant_free(plant);
+}
+END_TEST
+
 /* --- nodes that the application boots --- */
 
 START_TEST(test_told_only)
@@ -317,6 +345,7 @@ START_TEST(test_leaves_by_itself)
 
     slave_command(&plant->devices[5]->slave, NMT_ENTER_PREOPERATIONAL, plant->sim.now,
                   &plant->devices[5]->sim->box);
+    plant->devices[5]->nmt_state = NMT_PREOPERATIONAL; /* to the watch */
     plant_run_ms(plant, 3000);
     ck_assert_uint_eq(plant_sent(plant, "000#"), 0);
     ck_assert_uint_eq(plant_said_times(plant, "info: node 5: is pre-operational"), 1);
@@ -386,6 +415,7 @@ int main(void)
     tcase_add_loop_test(tcase, test_stop_all, 0, 2);
     tcase_add_loop_test(tcase, test_stop_all_still_lost, 0, 2);
     tcase_add_test(tcase, test_stop_all_in_mid_boot);
+    tcase_add_loop_test(tcase, test_stop_all_before_all_have_booted, 0, 2);
     tcase_add_test(tcase, test_told_only);
     tcase_add_test(tcase, test_heartbeat_after_all);
     tcase_add_loop_test(tcase, test_start_not_followed, 0, 2);

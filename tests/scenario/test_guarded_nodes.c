@@ -160,6 +160,14 @@ START_TEST(test_others_are_reset_one_by_one)
 }
 END_TEST
 
+static enum sim_fate lose_life_signs(struct plant *plant, const struct co_frame *frame,
+                                     uint8_t sender)
+{
+    (void)plant;
+    (void)sender;
+    return frame->id == 0x705 && !(frame->flags & CO_FRAME_RTR) ? SIM_UNHEARD : SIM_DELIVER;
+}
+
 START_TEST(test_state_that_nobody_tells)
 {
     static const struct {
@@ -168,11 +176,16 @@ START_TEST(test_state_that_nobody_tells)
         { PLANT_NODE(5, KEPT_ALIVE HEARTBEAT), "boot error E: no heartbeat within 500 ms" },
         { PLANT_NODE(5, KEPT_ALIVE), "boot error F: no answer to guarding within 100 ms" },
     };
-    struct plant *plant = make_plant(rows[_i].xml, true, _i == 0 ? 0 : 60000);
+    struct plant *plant = make_plant(rows[_i].xml, true, _i == 0 ? 200 : 0);
 
     plant_power_on(plant);
+    plant->fault = lose_life_signs;
+    plant_run_ms(plant, 5000);
+    ck_assert_uint_eq(plant_said_times(plant, rows[_i].text), 1);
+    ck_assert_uint_eq(plant_sent(plant, "000#"), 0);
+    plant->fault = NULL; /* only a full bus, perhaps */
     plant_run_ms(plant, 2000);
-    ck_assert(plant_said(plant, rows[_i].text));
+    ck_assert_uint_eq(plant_said_times(plant, "kept alive (L)"), 1);
     ck_assert_uint_eq(plant_sent(plant, "000#"), 0);
     plant_free(plant);
 }
@@ -278,6 +291,50 @@ START_TEST(test_guarded_only_node_restarts)
 }
 END_TEST
 
+/*
+ * All were stopped, and the manager has restarted since: a stopped node does not answer SDO, and
+ * nobody but the manager brings it out of that.
+ */
+START_TEST(test_found_stopped)
+{
+    struct plant *plant = make_plant(kept_alive[_i].xml, false, kept_alive[_i].heartbeat);
+
+    watch_start(plant);
+    plant_power_on(plant);
+    plant_run_ms(plant, 2000);
+    ck_assert_int_eq(plant_command(plant, NMT_STOP, 0), CO_OK);
+    plant_run_ms(plant, 1000);
+    ck_assert_int_eq(plant->devices[5]->slave.state, NMT_STOPPED);
+    plant_power_manager(plant, false);
+    plant_power_manager(plant, true);
+    plant->sim.trace_count = 0;
+    plant_run_ms(plant, 5000);
+    ck_assert_uint_eq(plant_sent(plant, "000#8205"), 1);
+    watch_expect_up(plant, "is left stopped");
+    plant_free(plant);
+}
+END_TEST
+
+/* An absent one is asked for its state as well, and told as before, once. */
+START_TEST(test_kept_alive_is_absent)
+{
+    struct plant *plant = make_plant(PLANT_NODE(5, KEPT_ALIVE GUARDED), false, 0);
+
+    plant_power_on(plant);
+    plant_power(plant, 5, false);
+    plant_run_ms(plant, 5000);
+    ck_assert_int_eq(plant_node(plant, 5)->failure.letter, 'B');
+    ck_assert_int_eq(plant_node(plant, 5)->failure.step, BOOT_DEVICE_TYPE);
+    ck_assert_uint_eq(plant_said_times(plant, "boot error B"), 1);
+    ck_assert_uint_eq(plant_said_times(plant, "asks for its state"), 1);
+    ck_assert_int_eq(plant->manager->state, NETWORK_OPERATIONAL);
+    plant_power(plant, 5, true);
+    plant_run_ms(plant, 1500);
+    watch_expect_up(plant, "does not boot");
+    plant_free(plant);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tcase = tcase_create("guarded_nodes");
@@ -295,5 +352,7 @@ int main(void)
     tcase_add_test(tcase, test_restart_that_nobody_hears);
     tcase_add_test(tcase, test_heartbeat_of_before);
     tcase_add_test(tcase, test_guarded_only_node_restarts);
+    tcase_add_loop_test(tcase, test_found_stopped, 0, sizeof kept_alive / sizeof kept_alive[0]);
+    tcase_add_test(tcase, test_kept_alive_is_absent);
     return suite_run("guarded_nodes", tcase);
 }

@@ -123,9 +123,11 @@ static enum sim_fate restart_at_write(struct plant *plant, const struct co_frame
     unsigned *left = plant->fault_context;
 
     (void)sender;
-    if (frame->id == 0x605 && frame->data[0] == 0x2F && --*left == 0)
+    if (frame->id == 0x605 && frame->data[0] == 0x2F && --*left == 0) {
         slave_command(&plant->devices[5]->slave, NMT_RESET_NODE, plant->sim.now,
                       &plant->devices[5]->sim->box);
+        sim_touch(&plant->sim, plant->devices[5]->sim);
+    }
     return SIM_DELIVER;
 }
 

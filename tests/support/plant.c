@@ -15,6 +15,8 @@ static void on_event(void *context, const struct co_event *event)
     enum co_severity severity;
     int length;
 
+    if (self->watch_event)
+        self->watch_event(self, event);
     if (self->on_event)
         self->on_event(self, event);
     if (!boot_text_event(self->config, event, &severity, text, sizeof text))
@@ -74,9 +76,10 @@ static enum sim_fate on_frame(void *context, const struct co_frame *frame, uint8
 /* The manager does not look at all nodes each time: does it miss one whose deadline has moved? */
 static void on_step(void *context)
 {
-    const struct plant *self = context;
+    struct plant *self = context;
     const struct manager *manager = self->manager;
 
+    self->network_state = manager->state;
     if (!self->manager_device || !self->manager_device->active || self->sim.steps % 16 != 0)
         return;
     for (unsigned node = 1; node <= NETWORK_NODE_MAX; node++) {
@@ -112,7 +115,7 @@ struct plant *plant_new(const char *xml, unsigned bitrate)
     self->sim.on_event = on_event;
     self->sim.fault = on_frame;
     self->sim.on_step = on_step;
-    self->manager = malloc(sizeof *self->manager);
+    self->manager = calloc(1, sizeof *self->manager);
     ck_assert_ptr_nonnull(self->manager);
     return self;
 }
@@ -197,6 +200,15 @@ void plant_power_on(struct plant *self)
 void plant_power(struct plant *self, uint8_t node, bool on)
 {
     sim_power(&self->sim, self->devices[node]->sim, on);
+}
+
+void plant_power_manager(struct plant *self, bool on)
+{
+    if (on) {
+        manager_done(self->manager);
+        ck_assert_int_eq(manager_init(self->manager, self->config), CO_OK);
+    }
+    sim_power(&self->sim, self->manager_device, on);
 }
 
 void plant_lie(struct plant *self, const char *request, const char *answer, unsigned times)

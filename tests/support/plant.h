@@ -25,8 +25,10 @@ struct plant_device {
     struct od od;
     struct slave slave;
     struct sim_device *sim;
-    bool reborn;    /* its last boot-up message was lost */
-    bool overtaken; /* a start command was behind its boot-up message on the wire */
+    uint8_t nmt_state; /* by the commands that it has heard, as watch_start() sees it */
+    unsigned resets;   /* times that it has begun anew */
+    bool reborn;       /* its last boot-up message was lost */
+    bool overtaken;    /* a start command was behind its boot-up message on the wire */
 };
 
 struct plant {
@@ -43,7 +45,9 @@ struct plant {
     void *fault_context;
     /* After fault() has let it pass, before anybody hears it. */
     void (*on_delivered)(struct plant *self, const struct co_frame *frame, uint8_t sender);
-    void (*on_event)(struct plant *self, const struct co_event *event); /* of the manager */
+    void (*on_event)(struct plant *self, const struct co_event *event);    /* of the manager */
+    void (*watch_event)(struct plant *self, const struct co_event *event); /* the same */
+    uint8_t network_state; /* of the manager, after the last step */
     char talk[PLANT_TALK_SIZE];
     struct plant_lie lies[PLANT_LIES];
     unsigned lie_count;
@@ -66,6 +70,8 @@ void plant_configure(struct plant *self, uint8_t node, uint16_t index, uint8_t s
 void plant_power_on(struct plant *self);
 /* Powers one device. */
 void plant_power(struct plant *self, uint8_t node, bool on);
+/* Takes the manager's power away, or starts it anew; it has forgotten everything. */
+void plant_power_manager(struct plant *self, bool on);
 /* The next 'times' requests that begin like this get this answer, not the device's. */
 void plant_lie(struct plant *self, const char *request, const char *answer, unsigned times);
 /* An order of the application. */

@@ -48,7 +48,7 @@ static void follow_filters(struct sim *self, struct sim_device *device)
             co_set_add(&self->hearers[filters[i].id], number_of(self, device));
 }
 
-void sim_touch(struct sim *self, struct sim_device *device)
+static void touch(struct sim *self, struct sim_device *device)
 {
     unsigned number = number_of(self, device);
 
@@ -97,6 +97,14 @@ static void take_events(struct sim *self, struct sim_device *device)
     while (co_outbox_take_event(&device->box, &event))
         if (device->manager && self->on_event)
             self->on_event(self->context, &event);
+        else if (device->slave && self->on_slave_event)
+            self->on_slave_event(self->context, &event);
+}
+
+void sim_touch(struct sim *self, struct sim_device *device)
+{
+    take_events(self, device);
+    touch(self, device);
 }
 
 static void lose_frames(struct sim_device *device)
@@ -117,7 +125,7 @@ void sim_power(struct sim *self, struct sim_device *device, bool on)
     else if (on)
         slave_start(device->slave, self->now, &device->box);
     take_events(self, device);
-    sim_touch(self, device);
+    touch(self, device);
 }
 
 co_us_t sim_frame_time(const struct sim *self, const struct co_frame *frame)
@@ -128,6 +136,14 @@ co_us_t sim_frame_time(const struct sim *self, const struct co_frame *frame)
     return self->bitrate ? (co_us_t)bits * 1000000u / self->bitrate : 0;
 }
 
+static void write_line(FILE *stream, const struct sim_line *line)
+{
+    char frame[CO_FRAME_TEXT_SIZE];
+
+    fprintf(stream, "(%u.%06u) sim %s\n", (unsigned)(line->time / 1000000u),
+            (unsigned)(line->time % 1000000u), co_frame_format(&line->frame, frame, sizeof frame));
+}
+
 static void record(struct sim *self, const struct co_frame *frame, uint8_t sender)
 {
     if (self->trace_count == self->trace_room) {
@@ -136,6 +152,8 @@ static void record(struct sim *self, const struct co_frame *frame, uint8_t sende
         assert(self->trace);
     }
     self->trace[self->trace_count++] = (struct sim_line){ self->now, sender, *frame };
+    if (self->log)
+        write_line(self->log, &self->trace[self->trace_count - 1]);
 }
 
 static void hear(struct sim *self, struct sim_device *device, struct co_frame frame)
@@ -147,7 +165,7 @@ static void hear(struct sim *self, struct sim_device *device, struct co_frame fr
     else
         slave_on_frame(device->slave, &frame, self->now, &device->box);
     take_events(self, device);
-    sim_touch(self, device);
+    touch(self, device);
 }
 
 static void deliver(struct sim *self, const struct co_frame *frame, int sender)
@@ -214,7 +232,7 @@ static struct sim_device *find_winner(struct sim *self)
 
         if (device->unplugged) {
             lose_frames(device);
-            sim_touch(self, device);
+            touch(self, device);
         } else if (device->active && device->hold_until <= self->now &&
                    (!winner || next_id(device) < next_id(winner))) {
             winner = device;
@@ -230,7 +248,7 @@ static void begin_frame(struct sim *self)
     if (!winner)
         return;
     co_outbox_take_frame(&winner->box, &self->on_wire);
-    sim_touch(self, winner);
+    touch(self, winner);
     self->sending = (int)number_of(self, winner);
     self->wire_free = self->now + sim_frame_time(self, &self->on_wire);
     self->busy += self->wire_free - self->now;
@@ -239,7 +257,7 @@ static void begin_frame(struct sim *self)
 static void touch_managers(struct sim *self)
 {
     CO_SET_EACH(&self->managers, i)
-    sim_touch(self, &self->devices[i]);
+    touch(self, &self->devices[i]);
 }
 
 static void run_timers(struct sim *self)
@@ -253,7 +271,7 @@ static void run_timers(struct sim *self)
         else
             slave_on_time(device->slave, self->now, &device->box);
         take_events(self, device);
-        sim_touch(self, device);
+        touch(self, device);
     }
 }
 
@@ -350,12 +368,17 @@ void sim_say(struct sim *self, const char *text)
 {
     struct co_frame frame = parse(text);
 
+    sim_put(self, &frame);
+}
+
+void sim_put(struct sim *self, const struct co_frame *frame)
+{
     if (!self->foreign) {
         self->foreign = add_device(self);
         self->foreign->active = true;
     }
-    co_outbox_put_frame(&self->foreign->box, &frame);
-    sim_touch(self, self->foreign);
+    co_outbox_put_frame(&self->foreign->box, frame);
+    touch(self, self->foreign);
 }
 
 struct co_outbox *sim_box(struct sim *self, struct sim_device *device)
@@ -371,14 +394,8 @@ char *sim_trace_text(const struct sim *self)
     FILE *stream = open_memstream(&text, &size);
 
     assert(stream);
-    for (size_t i = 0; i < self->trace_count; i++) {
-        const struct sim_line *line = &self->trace[i];
-        char frame[CO_FRAME_TEXT_SIZE];
-
-        fprintf(stream, "(%u.%06u) sim %s\n", (unsigned)(line->time / 1000000u),
-                (unsigned)(line->time % 1000000u),
-                co_frame_format(&line->frame, frame, sizeof frame));
-    }
+    for (size_t i = 0; i < self->trace_count; i++)
+        write_line(stream, &self->trace[i]);
     fclose(stream);
     return text;
 }

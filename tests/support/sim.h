@@ -15,6 +15,8 @@
 #include "manager/manager.h"
 #include "slave/slave.h"
 
+#include <stdio.h>
+
 #define SIM_DEVICES 128u
 #define SIM_BOX     512u
 #define SIM_IDS     2048u /* CAN-IDs of 11 bits */
@@ -69,6 +71,8 @@ struct sim {
     enum sim_fate (*fault)(void *context, const struct co_frame *frame, uint8_t sender);
     void (*on_step)(void *context); /* after each step: the place to check what must always hold */
     void (*on_event)(void *context, const struct co_event *event); /* of the manager */
+    void (*on_slave_event)(void *context, const struct co_event *event);
+    FILE *log; /* not NULL: each frame goes there at once, as in sim_trace_text() */
     void *context;
 };
 
@@ -85,6 +89,7 @@ void sim_touch(struct sim *self, struct sim_device *device);
 void sim_inject(struct sim *self, const char *frame);
 /* The same, but it waits for the wire like any other; for use within fault(). */
 void sim_say(struct sim *self, const char *frame);
+void sim_put(struct sim *self, const struct co_frame *frame);
 /* The device's outbox to act on it between runs; what is put is sent in the next sim_run(). */
 struct co_outbox *sim_box(struct sim *self, struct sim_device *device);
 /* The trace as candump text "(seconds) sim ID#DATA", to be freed. */

@@ -1,7 +1,5 @@
 #include "support/watch.h"
 
-#include "base/bytes.h"
-
 #include <check.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -28,31 +26,36 @@ static const char *last_events(const struct plant *plant)
     return plant->events + (size > LAST_EVENTS ? size - LAST_EVENTS : 0);
 }
 
-/* All of it, where SCENARIO_TRACE names a file. */
-static void save_trace(const struct plant *plant)
+static void save_events(const struct plant *plant)
 {
-    const char *name = getenv("SCENARIO_TRACE");
-    FILE *file = name ? fopen(name, "w") : NULL;
-    char *text;
+    const char *name = getenv("SCENARIO_LOG");
+    FILE *file = name ? fopen(name, "a") : NULL;
 
     if (!file)
         return;
-    text = sim_trace_text(&plant->sim);
-    fprintf(file, "%s\n%s", text, plant->events);
-    free(text);
+    fprintf(file, "%s", plant->events);
     fclose(file);
 }
 
-static void check(const struct plant *plant, bool ok, uint8_t node, const char *what)
+void watch_check(const struct plant *plant, bool ok, uint8_t node, const char *what)
 {
     char *text;
 
     if (ok)
         return;
-    save_trace(plant);
+    if (plant->sim.log)
+        fflush(plant->sim.log);
+    save_events(plant);
     text = last_frames(plant);
-    ck_abort_msg("%s: node %u: %s\n%s%s", plant->name, node, what, text, last_events(plant));
+    fprintf(stderr, "%s%s", text, last_events(plant)); /* too much for a message of Check */
     free(text);
+    ck_abort_msg("%s: node %u: %s", plant->name, node, what);
+}
+
+static bool is_equal(const struct od_entry *entry, const struct ccf_entry *wanted)
+{
+    return entry && entry->size == wanted->size &&
+           (wanted->size == 0 || memcmp(entry->value, wanted->value, wanted->size) == 0);
 }
 
 bool watch_is_configured(const struct plant *plant, uint8_t node)
@@ -63,8 +66,7 @@ bool watch_is_configured(const struct plant *plant, uint8_t node)
 
     ccf_reader_init(&reader, &config->ccf);
     while (ccf_read(&reader, &entry))
-        if (od_number(&plant->devices[node]->od, entry.index, entry.sub, 0) !=
-            get_le(entry.value, entry.size < 8 ? entry.size : 8))
+        if (!is_equal(od_find(&plant->devices[node]->od, entry.index, entry.sub), &entry))
             return false;
     return true;
 }
@@ -96,8 +98,8 @@ static void check_start_of(const struct plant *plant, const struct node_config *
     if (watch_is_configured(plant, config->node_id))
         return;
     overtaken = boot_node_is_in_mid_boot(&plant->manager->nodes[config->node_id]);
-    check(plant, overtaken && !device->overtaken, config->node_id,
-          "started without its configuration");
+    watch_check(plant, overtaken && !device->overtaken, config->node_id,
+                "started without its configuration");
     device->overtaken = true; /* once: a reset has to follow */
 }
 
@@ -114,28 +116,99 @@ static bool may_start(const struct plant *plant)
 
 static void check_start(const struct plant *plant, uint8_t target)
 {
-    check(plant, may_start(plant), target, "started before the manager is operational");
+    watch_check(plant, may_start(plant), target, "started before the manager is operational");
     for (size_t i = 0; i < plant->config->node_count; i++)
         if (target == 0 || target == plant->config->nodes[i].node_id)
             check_start_of(plant, &plant->config->nodes[i]);
 }
 
-static void on_delivered(struct plant *plant, const struct co_frame *frame, uint8_t sender)
+/* The table of CiA 301, 7.3.2; a reset ends in PRE-OPERATIONAL with the boot-up message. */
+static uint8_t state_after(uint8_t state, uint8_t command)
+{
+    if (command == NMT_RESET_NODE || command == NMT_RESET_COMMUNICATION ||
+        state == NMT_INITIALISING)
+        return NMT_INITIALISING;
+    return command == NMT_START  ? NMT_OPERATIONAL
+           : command == NMT_STOP ? NMT_STOPPED
+                                 : NMT_PREOPERATIONAL;
+}
+
+static void on_command(struct plant_device *device, uint8_t node, const struct co_frame *frame)
 {
     enum nmt_command command;
 
-    if (sender == plant->config->manager_node_id && frame->id == NMT_CAN_ID &&
-        frame->data[0] == NMT_START)
+    if (!device->sim->active || device->sim->unplugged || !nmt_command_for(frame, node, &command))
+        return;
+    device->nmt_state = state_after(device->nmt_state, (uint8_t)command);
+    if (device->nmt_state == NMT_INITIALISING)
+        device->overtaken = false;
+}
+
+static void on_delivered(struct plant *plant, const struct co_frame *frame, uint8_t sender)
+{
+    if (frame->id != NMT_CAN_ID)
+        return;
+    if (sender == plant->config->manager_node_id && frame->data[0] == NMT_START)
         check_start(plant, frame->data[1]);
-    for (unsigned id = 1; frame->id == NMT_CAN_ID && id <= NETWORK_NODE_MAX; id++)
-        if (plant->devices[id] && nmt_command_for(frame, (uint8_t)id, &command) &&
-            (command == NMT_RESET_NODE || command == NMT_RESET_COMMUNICATION))
-            plant->devices[id]->overtaken = false;
+    for (uint8_t id = 1; id <= NETWORK_NODE_MAX; id++)
+        if (plant->devices[id])
+            on_command(plant->devices[id], id, frame);
+}
+
+/* CiA 302-2: without a master's command after its boot-up, where its own 1F80h says so. */
+static bool starts_itself(const struct plant_device *device, const struct co_event *event)
+{
+    return event->detail == NMT_OPERATIONAL && device->nmt_state == NMT_PREOPERATIONAL &&
+           (od_number(&device->od, 0x1F80, 0, 4) & 5) == 0;
+}
+
+static void on_slave_event(void *context, const struct co_event *event)
+{
+    struct plant *plant = context;
+    struct plant_device *device = plant->devices[event->node];
+    bool boots = device && event->detail == NMT_PREOPERATIONAL &&
+                 device->nmt_state == NMT_INITIALISING;
+
+    if (!device || event->type != SLAVE_STATE || plant->on_delivered != on_delivered)
+        return;
+    if (event->detail == NMT_INITIALISING || boots || starts_itself(device, event)) {
+        device->nmt_state = event->detail;
+        device->resets += event->detail == NMT_INITIALISING;
+    }
+    if (device->nmt_state != event->detail)
+        watch_check(plant, false, event->node, "is in a state that nobody has brought it into");
+}
+
+/* Not where the application, or another tool, has ordered it. */
+static bool becomes_operational_by_itself(const struct plant *plant, const struct co_event *event)
+{
+    return event->type == MANAGER_STATE && event->detail == NMT_OPERATIONAL &&
+           (plant->network_state == NETWORK_BOOTING || plant->network_state == NETWORK_HALTED);
+}
+
+static void on_manager_event(struct plant *plant, const struct co_event *event)
+{
+    if (!becomes_operational_by_itself(plant, event))
+        return;
+    for (size_t i = 0; i < plant->config->node_count; i++) {
+        const struct node_config *config = &plant->config->nodes[i];
+        const struct boot_node *node = &plant->manager->nodes[config->node_id];
+
+        watch_check(plant, !config->nmt_slave || !config->mandatory || node->booted,
+                    config->node_id, "mandatory, not booted, and the manager is operational");
+        watch_check(plant, !config->nmt_slave || node->tried, config->node_id,
+                    "not tried, and the manager is operational");
+    }
 }
 
 void watch_start(struct plant *plant)
 {
     plant->on_delivered = on_delivered;
+    plant->watch_event = on_manager_event;
+    plant->sim.on_slave_event = on_slave_event;
+    for (uint8_t id = 1; id <= NETWORK_NODE_MAX; id++)
+        if (plant->devices[id])
+            plant->devices[id]->nmt_state = plant->devices[id]->slave.state;
 }
 
 static void expect(const struct plant *plant, bool ok, uint8_t node, const char *what,
@@ -144,7 +217,7 @@ static void expect(const struct plant *plant, bool ok, uint8_t node, const char 
     char text[80];
 
     snprintf(text, sizeof text, "%s: not %s", what, state);
-    check(plant, ok, node, text);
+    watch_check(plant, ok, node, text);
 }
 
 void watch_expect_up(const struct plant *plant, const char *what)

@@ -3,8 +3,8 @@
 #
 #   (nothing)   debug build, unit and scenario tests, rules of the house, vcan
 #   --all       and peers of other make, tests without the function they test or with faults in it,
-#               branch coverage, formatting, lint, sanitizers, 32 bit, valgrind, fuzzing,
-#               release build
+#               branch coverage, 2,000 plants from seeds (MCANOPEN_SEEDS), formatting, lint,
+#               sanitizers, 32 bit, valgrind, fuzzing, release build
 #   LANE        only these lanes, by name (and "debug", which others need)
 #
 # Missing packages are installed with apt-get; MCANOPEN_INSTALL=no leaves the system alone.
@@ -310,6 +310,20 @@ run_coverage()
             --filter src/manager/ --txt /dev/null --txt-summary --fail-under-branch 95.0
 }
 
+# 2,000 plants with their faults; the same ones each time.
+run_seeds()
+{
+    cmake --preset seeds "-DMCANOPEN_WERROR=$werror" &&
+        cmake --build --preset seeds -j "$jobs" || return 1
+    SCENARIO_SEEDS=${MCANOPEN_SEEDS:-2000} SCENARIO_JOBS=$jobs "$build/seeds/tests/test_seeds"
+}
+
+# What there was in them.
+show_seeds()
+{
+    sed -n '/ virtual hours, /,/ passed, /{/ passed, /!s/^/      /p}' "$logs/seeds.log"
+}
+
 # Refused input leaves nothing behind: each way out under valgrind.
 run_refusals()
 {
@@ -369,6 +383,7 @@ run_more()
 {
     run_side_by_side
     lane tidy run_tidy
+    lane seeds run_seeds && wanted seeds && show_seeds
     lane asan test_preset asan -LE house
     lane tsan test_preset tsan -LE house -R "$threaded"
     lane m32 run_m32

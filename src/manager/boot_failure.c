@@ -32,8 +32,8 @@ static bool is_garbled(const struct boot_failure *self)
 }
 
 /*
- * No answer, or one that says "not now", or that frames were lost, may be another one next time. A configuration is not
- * repeated in parts: the next attempt starts with a reset of the node.
+ * No answer, or one that says "not now", or that frames were lost, may be another one next time. A
+ * configuration is not repeated in parts: the next attempt starts with a reset of the node.
  */
 bool boot_failure_is_worth_a_retry(const struct boot_failure *self, unsigned attempts)
 {

@@ -22,8 +22,9 @@
  *
  * Late answers are ignored and counted: those for another object, those to an idle client, and
  * what the server still owes to transfers before: segments, and first answers of another kind for
- * the same object. (One of the same kind for the same object cannot be told from the awaited one.) An abort counts as the server's when
- * its object is the one asked for, or 0000h:00, as some devices send it.
+ * the same object. (One of the same kind for the same object cannot be told from the awaited one.)
+ * An abort counts as the server's when its object is the one asked for, or 0000h:00, as some
+ * devices send it.
  *
  *   owner    the manager: one client for each remote node
  *   locking  none; the owner's

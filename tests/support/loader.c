@@ -12,14 +12,14 @@ static uint8_t program[LOADER_SIZE];
 
 static struct od *od_of(const struct loader *self)
 {
-    return &self->plant->devices[5]->od;
+    return &self->plant->devices[self->node]->od;
 }
 
 void loader_restart(struct loader *self, unsigned ms)
 {
     if (ms == 0)
         return;
-    plant_power(self->plant, 5, false);
+    plant_power(self->plant, self->node, false);
     self->back_at = self->plant->sim.now + CO_MS(ms);
 }
 
@@ -55,13 +55,13 @@ static void take_program(struct loader *self)
     keep_flash_busy(self, self->write_ms, self->written);
 }
 
-static void step(struct loader *self)
+void loader_step(struct loader *self)
 {
     co_us_t now = self->plant->sim.now;
 
     if (self->back_at && now >= self->back_at) {
         self->back_at = 0;
-        plant_power(self->plant, 5, true);
+        plant_power(self->plant, self->node, true);
     }
     for (unsigned i = 0; i < self->command_count; i++)
         follow(self, self->commands[i]);
@@ -79,7 +79,7 @@ void loader_run(struct loader *self, unsigned ms)
     const unsigned stride = ms > 5000 ? 10 : 1; /* long ones are for time to pass */
 
     for (unsigned i = 0; i < ms; i += stride) {
-        step(self);
+        loader_step(self);
         plant_run_ms(self->plant, stride);
     }
 }
@@ -91,19 +91,24 @@ void loader_run_until(struct loader *self, const char *said, unsigned ms)
     ck_assert_msg(plant_said(self->plant, said), "\"%s\" expected:\n%s", said, self->plant->events);
 }
 
-static void on_delivered(struct plant *plant, const struct co_frame *frame, uint8_t sender)
+void loader_hear(struct loader *self, const struct co_frame *frame)
 {
-    struct loader *self = plant->fault_context;
+    const bool has_room = self->command_count < sizeof self->commands;
 
-    (void)sender;
-    if (frame->id != 0x605)
+    if (frame->id != SDO_REQUEST_ID + self->node)
         return;
-    if (frame->data[0] == 0x2F && get_le16(frame->data + 1) == 0x1F51 && !self->deaf)
+    if (frame->data[0] == 0x2F && get_le16(frame->data + 1) == 0x1F51 && !self->deaf && has_room)
         self->commands[self->command_count++] = frame->data[4];
     if (frame->data[0] == 0xC6)
         self->segments = 0;
     else if (++self->segments == self->die_in_write)
         loader_restart(self, 300);
+}
+
+static void on_delivered(struct plant *plant, const struct co_frame *frame, uint8_t sender)
+{
+    (void)sender;
+    loader_hear(plant->fault_context, frame);
 }
 
 static void add_domain(struct plant_device *device)
@@ -132,6 +137,30 @@ static void give_program(struct node_config *node)
     node->software_file = strdup("pump.bin");
 }
 
+static struct node_config *config_of(struct plant *plant, uint8_t node)
+{
+    for (size_t i = 0; i < plant->config->node_count; i++)
+        if (plant->config->nodes[i].node_id == node)
+            return &plant->config->nodes[i];
+    ck_abort_msg("node %u is not configured", node);
+}
+
+void loader_attach(struct loader *self, struct plant *plant, uint8_t node)
+{
+    *self = (struct loader){ .plant = plant,
+                             .node = node,
+                             .clear_ms = 50,
+                             .write_ms = 50,
+                             .cleared = 2, /* no valid program */
+                             .running = true,
+                             .id = LOADER_OLD };
+    add_domain(plant->devices[node]);
+    plant_add_object(plant->devices[node], 0x1F51, 1, 1, 1);
+    plant_add_object(plant->devices[node], 0x1F56, 1, 4, LOADER_OLD);
+    plant_add_object(plant->devices[node], 0x1F57, 1, 4, 0);
+    give_program(config_of(plant, node));
+}
+
 void loader_make(struct loader *self, const char *node)
 {
     char xml[1024];
@@ -141,17 +170,7 @@ void loader_make(struct loader *self, const char *node)
     plant = plant_new(xml, 1000000);
     plant_add_object(plant_add_device(plant, 5), 0x6200, 1, 1, 0);
     plant_configure(plant, 5, 0x6200, 1, 1, 0x55);
-    add_domain(plant->devices[5]);
-    plant_add_object(plant->devices[5], 0x1F51, 1, 1, 1);
-    plant_add_object(plant->devices[5], 0x1F56, 1, 4, LOADER_OLD);
-    plant_add_object(plant->devices[5], 0x1F57, 1, 4, 0);
-    give_program(&plant->config->nodes[0]);
-    *self = (struct loader){ .plant = plant,
-                             .clear_ms = 50,
-                             .write_ms = 50,
-                             .cleared = 2, /* no valid program */
-                             .running = true,
-                             .id = LOADER_OLD };
+    loader_attach(self, plant, 5);
     plant->fault_context = self;
     plant->on_delivered = on_delivered;
     plant_power_on(plant);

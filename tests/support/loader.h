@@ -1,6 +1,7 @@
 /*
- * A device with a boot loader for scenario tests: node 5 of a plant, with 1F50h, 1F51h, 1F56h and
- * 1F57h, whose behaviour the test sets.
+ * A device with a boot loader for scenario tests: a node of a plant, with 1F50h, 1F51h, 1F56h and
+ * 1F57h, whose behaviour the test sets. Where a test has a single one, that is node 5, made by
+ * loader_make() and run by loader_run(); else it calls loader_step() and loader_hear().
  */
 #ifndef TEST_SUPPORT_LOADER_H
 #define TEST_SUPPORT_LOADER_H
@@ -20,6 +21,7 @@
 /* The boot loader: how it behaves, and how it stands. */
 struct loader {
     struct plant *plant;
+    uint8_t node;
     unsigned off_at_stop, off_at_start; /* ms that it is gone; 0: it stays */
     unsigned clear_ms, write_ms;        /* its flash is busy */
     uint32_t cleared, written;          /* 1F57h after that */
@@ -33,6 +35,13 @@ struct loader {
     unsigned command_count;
     unsigned segments, programs;
 };
+
+/* Makes the device one that has its old program, and gives the configuration the new one. */
+void loader_attach(struct loader *self, struct plant *plant, uint8_t node);
+/* What it does as time goes on: every few ms. */
+void loader_step(struct loader *self);
+/* Each frame to it, from plant.on_delivered or fault. */
+void loader_hear(struct loader *self, const struct co_frame *frame);
 
 /* A plant with node 5 alone, which has these elements; powered on. */
 void loader_make(struct loader *self, const char *node);

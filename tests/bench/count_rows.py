@@ -10,6 +10,7 @@ TIMES = 1000
 READS = 10000  # of bench_device
 FEW, MANY = 10, 10000  # objects
 NODES = 100
+MANY_NODES = 126
 
 
 def collected(path):
@@ -20,8 +21,8 @@ def collected(path):
     raise ValueError("callgrind has counted nothing")
 
 
-def instructions(bench, function, name, *arguments):
-    """Instructions in this function and what it calls, all its calls together."""
+def instructions(bench, functions, name, *arguments):
+    """Instructions in these functions and what they call, all their calls together."""
     command = bench.command(name, arguments)
     result_of(bench.start(name, *arguments))  # tells when the library cannot do it yet
     if bench.smoke:
@@ -31,7 +32,8 @@ def instructions(bench, function, name, *arguments):
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "callgrind"
         subprocess.run(["valgrind", "--tool=callgrind", f"--callgrind-out-file={out}",
-                        f"--toggle-collect={function}", *command], check=True,
+                        *(f"--toggle-collect={function}" for function in functions), *command],
+                       check=True,
                        env=bench.environment, timeout=LIMIT, capture_output=True)
         return collected(out)
 
@@ -39,14 +41,14 @@ def instructions(bench, function, name, *arguments):
 def per_frame(kind):
     def measure(bench):
         times = bench.count(TIMES)
-        return {"value": instructions(bench, "slave_on_frame", "bench_machines", kind, times)
+        return {"value": instructions(bench, ["slave_on_frame"], "bench_machines", kind, times)
                 // times}
     return measure
 
 
 def per_read(bench, how, objects):
     function = "canOpenReadDictionaryHnd" if how == "read-by-handle" else "canOpenReadDictionary"
-    return instructions(bench, function, "bench_device", how, bench.count(objects, FEW)) // READS
+    return instructions(bench, [function], "bench_device", how, bench.count(objects, FEW)) // READS
 
 
 def measure_growth(bench):
@@ -58,6 +60,17 @@ def measure_against_index(bench):
     handle = per_read(bench, "read-by-handle", FEW)
     index = per_read(bench, "read-by-index", FEW)
     return {"value": handle / index, "ours": handle, "neutral": index}
+
+
+def per_node(bench, nodes):
+    """Of a manager that boots so many nodes and watches them for 10 s."""
+    functions = ["manager_on_frame", "manager_on_time", "manager_deadline"]
+    return instructions(bench, functions, "bench_network", nodes) // nodes
+
+
+def measure_nodes(bench):
+    one, many = (per_node(bench, nodes) for nodes in (1, MANY_NODES))
+    return {"value": many / one, "ours": many, "few": one}
 
 
 def measure_memory(bench):
@@ -77,6 +90,8 @@ ROWS = [
         per_frame("rpdo-words")),
     Row("handle-growth", "instructions more for a read by handle among 10,000 objects than 10",
         "<=", 0, measure_growth),
+    Row("manager-nodes", "instructions for a node, booted and watched for 10 s: of 126 / of 1",
+        "<=", 1.1, measure_nodes),
     Row("handle-index", "instructions for a read by handle / by index, 10 objects", "<=", 0.99,
         measure_against_index),
     Row("memory", "bytes for one more device with the objects that all have", "<=", 32768,

@@ -379,7 +379,10 @@ static char letter_of_restart(const struct boot_node *self)
     }
 }
 
-/* One or two are usual: a boot loader, a device that comes up slowly. */
+/*
+ * One or two are usual: a boot loader, a device that comes up slowly. The one that answers our
+ * reset, behind its boot delay, is none.
+ */
 bool boot_node_may_begin_anew(struct boot_node *self, co_us_t now, struct co_outbox *out)
 {
     const bool asks = self->step != BOOT_ERROR_CONTROL;
@@ -390,7 +393,7 @@ bool boot_node_may_begin_anew(struct boot_node *self, co_us_t now, struct co_out
         .sub = asks ? self->request.transfer.sub : 0,
     };
 
-    if (failure.letter == 0 || ++self->restarts < BOOT_RESTARTS)
+    if (failure.letter == 0 || self->reset_answered || ++self->restarts < BOOT_RESTARTS)
         return true;
     fail_at_entry(self, failure, now, out);
     return false;

@@ -82,8 +82,9 @@ struct boot_node {
     bool start_due;    /* to be started as soon as there is room */
     bool reset_due;    /* RESET: the command is still to be sent; else the next attempt begins so */
     bool reset_heard;  /* it has sent a boot-up message since the last reset command ... */
-    bool absent;       /* ... and once did not answer since then */
-    uint8_t stopped;   /* enum node_stopped */
+    bool reset_answered; /* its last boot-up message was the one that answers our reset command */
+    bool absent;         /* ... and once did not answer since then */
+    uint8_t stopped;     /* enum node_stopped */
     bool reset_repeated; /* because it has missed it; once until it has booted */
     uint8_t unfollowed;  /* heartbeats that tell another state than the start command asked for */
     bool state_known;    /* CHECK_STATE: it was reset, it need not be asked again */

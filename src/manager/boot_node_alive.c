@@ -10,6 +10,7 @@ void boot_node_on_boot_up(struct boot_node *self, const struct co_frame *frame, 
     bool is_watched_only = !boot_node_is_booted_by_master(self) || !self->config->auto_start_slave;
 
     self->nmt_state = is_watched_only ? NMT_PREOPERATIONAL : NMT_INITIALISING;
+    self->reset_answered = !self->reset_heard;
     self->reset_heard = true;
     if (self->step == BOOT_RESET && self->restoring == RESTORE_LATE)
         self->deadline = now;

@@ -141,6 +141,23 @@ START_TEST(test_of_several_boots)
 }
 END_TEST
 
+/* What answers the manager's own reset comes behind the boot delay: that is not another restart. */
+START_TEST(test_no_boot_delay)
+{
+    struct trigger trigger = { "605#2F006201", 3 };
+    struct plant *plant = make_plant("<Boot_Delay>0</Boot_Delay>", &trigger);
+
+    plant_run_ms(plant, 800);
+    ck_assert_uint_eq(trigger.left, 0);
+    ck_assert_uint_eq(plant_node(plant, 5)->history.failures, 1);
+    plant_run_ms(plant, 600);
+    watch_expect_up(plant, "is not booted after the pause");
+    ck_assert_uint_eq(plant_node(plant, 5)->history.failures, 1);
+    ck_assert_int_eq(plant_node(plant, 5)->history.last.letter, 'J');
+    plant_free(plant);
+}
+END_TEST
+
 START_TEST(test_mandatory)
 {
     struct trigger trigger = { "605#2F006201", 1000000 };
@@ -163,6 +180,7 @@ int main(void)
     tcase_add_loop_test(tcase, test_each_time, 0, sizeof rows / sizeof rows[0]);
     tcase_add_test(tcase, test_twice);
     tcase_add_test(tcase, test_of_several_boots);
+    tcase_add_test(tcase, test_no_boot_delay);
     tcase_add_test(tcase, test_mandatory);
     return suite_run("restarts", tcase);
 }

@@ -100,6 +100,9 @@ START_TEST(test_producer_stall)
     hb_producer_on_time(&producer, CO_MS(1151), &out); /* a little late: the rhythm stays */
     ck_assert_uint_eq(out.frame_count, 2);
     ck_assert_uint_eq(hb_producer_deadline(&producer), CO_MS(1250));
+    hb_producer_on_time(&producer, CO_MS(1350), &out); /* a whole period late */
+    hb_producer_on_time(&producer, CO_MS(1350), &out);
+    ck_assert_uint_eq(out.frame_count, 3);
 }
 END_TEST
 

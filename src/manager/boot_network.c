@@ -152,6 +152,13 @@ void boot_network_reset_node(struct manager *self, struct boot_node *node, enum 
     boot_node_reset(node, command, now, &self->inner);
 }
 
+void boot_network_renew_node(struct manager *self, struct boot_node *node, enum nmt_command command,
+                             co_us_t now)
+{
+    node->restoring = RESTORE_TO_COME;
+    boot_network_reset_node(self, node, command, now);
+}
+
 /* --- the way to operational --- */
 
 /* It must not hear a start command: not configured, or nobody knows. */

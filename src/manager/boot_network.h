@@ -73,6 +73,9 @@ void boot_network_boot_again(struct manager *self, struct boot_node *node, co_us
 void boot_network_go_on_updating(struct manager *self, struct boot_node *node, co_us_t now);
 void boot_network_reset_node(struct manager *self, struct boot_node *node, enum nmt_command command,
                              co_us_t now);
+/* The same for a boot of its own, not another try: its default values come first again. */
+void boot_network_renew_node(struct manager *self, struct boot_node *node, enum nmt_command command,
+                             co_us_t now);
 
 /* error_control.c: a boot-up message, a heartbeat, a lost node (CiA 302-2, "error control"). */
 void error_control_on_frame(struct manager *self, const struct co_frame *frame, co_us_t now);

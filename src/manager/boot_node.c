@@ -19,11 +19,17 @@ bool boot_node_is_booted_by_master(const struct boot_node *self)
     return self->config && self->config->nmt_slave;
 }
 
+bool boot_node_is_under_way(const struct boot_node *self)
+{
+    return (self->step >= BOOT_DEVICE_TYPE && self->step <= BOOT_ERROR_CONTROL) ||
+           self->step == BOOT_CHECK_STATE || self->step == BOOT_CHECK_SOFTWARE ||
+           self->step == BOOT_RESTORE;
+}
+
 bool boot_node_is_in_mid_boot(const struct boot_node *self)
 {
     return boot_node_is_booted_by_master(self) && self->config->auto_start_slave &&
-           ((self->step >= BOOT_DEVICE_TYPE && self->step <= BOOT_ERROR_CONTROL) ||
-            self->step == BOOT_CHECK_SOFTWARE || self->step == BOOT_RESTORE);
+           boot_node_is_under_way(self) && self->step != BOOT_CHECK_STATE;
 }
 
 enum nmt_command boot_node_reset_command(const struct boot_node *self)

@@ -123,7 +123,9 @@ void boot_node_init(struct boot_node *self, uint8_t node, const struct node_conf
  */
 bool boot_node_is_booted_by_master(const struct boot_node *self);
 
-/* True from the first read to the end of its boot. */
+/* True from the first step to the end of its boot, but for an update of its program. */
+bool boot_node_is_under_way(const struct boot_node *self);
+/* The same, where it must not run yet: it is booted by the master, and not asked for its state. */
 bool boot_node_is_in_mid_boot(const struct boot_node *self);
 /* How long the device may take for a write to this object. */
 co_us_t configure_node_timeout(const struct node_config *config, uint16_t index);

@@ -89,8 +89,7 @@ static enum co_err reset_node(struct manager *self, struct boot_node *node,
 {
     if (self->state == NETWORK_RESETTING)
         return CO_ERR_STATE;
-    node->restoring = RESTORE_TO_COME;
-    boot_network_reset_node(self, node, command, now);
+    boot_network_renew_node(self, node, command, now);
     return CO_OK;
 }
 

@@ -26,10 +26,14 @@ struct change {
 /* Nobody knows how it will be found: it is reset first, unless it is to be kept alive. */
 static void join(struct manager *self, struct boot_node *node, co_us_t now)
 {
-    if (self->state == NETWORK_RESETTING)
-        return; /* it is booted with the others */
-    if (node->config->auto_start_slave && !node->config->check_node_state)
-        boot_network_reset_node(self, node, boot_node_reset_command(node), now);
+    const bool booted = node->config->auto_start_slave;
+
+    if (self->state == NETWORK_RESETTING) {        /* it is booted with the others ... */
+        node->absent = booted && self->reset_each; /* ... whose resets it has missed */
+        return;
+    }
+    if (booted && !node->config->check_node_state)
+        boot_network_renew_node(self, node, boot_node_reset_command(node), now);
     else
         boot_network_reboot(self, node, now);
 }
@@ -48,8 +52,8 @@ static void begin_anew(struct manager *self, struct boot_node *node, co_us_t now
     if (is_written && !node->config->auto_start_slave) /* 1F25h */
         boot_network_configure(self, node, now);
     else if (is_written)
-        boot_network_reset_node(self, node, boot_node_reset_command(node), now);
-    else if (boot_node_is_in_mid_boot(node) || node->step == BOOT_CHECK_STATE)
+        boot_network_renew_node(self, node, boot_node_reset_command(node), now);
+    else if (boot_node_is_under_way(node))
         boot_network_reboot(self, node, now);
 }
 
@@ -236,7 +240,7 @@ static void configure(struct manager *self, struct boot_node *node, co_us_t now)
     if (node->step == BOOT_READY || node->step == BOOT_STARTED)
         boot_network_configure(self, node, now);
     else
-        boot_network_reset_node(self, node, boot_node_reset_command(node), now);
+        boot_network_renew_node(self, node, boot_node_reset_command(node), now);
 }
 
 static void configure_requested(struct manager *self, uint8_t sub, co_us_t now)

@@ -85,6 +85,8 @@ void error_control_on_lost(struct manager *self, uint8_t node_id, co_us_t now)
 
     if (node->step == BOOT_FAILED || boot_node_on_silence(node, now, &self->inner))
         return; /* it was not in operation */
+    if (!supervision_is_on(&node->supervision))
+        return; /* its boot has begun anew since, or it was removed */
     put_event(self, (struct co_event){ .type = MANAGER_NODE_LOST,
                                        .node = node_id,
                                        .detail = node->nmt_state,

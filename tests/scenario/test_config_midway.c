@@ -161,6 +161,36 @@ START_TEST(test_joins_behind_resets)
 }
 END_TEST
 
+/* A node is removed while its owner takes no news; then it is missed. That means nothing more. */
+START_TEST(test_removed_before_lost)
+{
+    struct plant *plant = make_plant("<NMT_Mandatory_Slave>TRUE</NMT_Mandatory_Slave>"
+                                     "<Guard_Time>50</Guard_Time>"
+                                     "<Life_Time_Factor>3</Life_Time_Factor>");
+    const struct co_event event = { .type = MANAGER_NODE_STEP };
+    struct co_frame frames[4], request;
+    struct co_event events[1];
+    struct co_outbox full;
+
+    plant->config->action_on_error = ACTION_STOP_ALL;
+    plant_power_on(plant);
+    plant_run_ms(plant, 1000);
+    plant_power(plant, 5, false);
+    plant_run_ms(plant, 100);
+    co_outbox_init(&full, frames, 4, events, 1);
+    co_outbox_put_event(&full, &event);
+    ck_assert(co_frame_parse("67F#23811F0508000000", &request));
+    manager_on_frame(plant->manager, &request, plant->sim.now, &full);
+    manager_on_time(plant->manager, plant->sim.now + CO_MS(200), &full);
+    manager_on_time(plant->manager, plant->sim.now + CO_MS(400), &full);
+    plant_run_ms(plant, 500);
+    ck_assert(!plant_node(plant, 5)->config->nmt_slave);
+    ck_assert_int_eq(plant->manager->state, NETWORK_OPERATIONAL);
+    ck_assert(!plant_said(plant, "no answer to guarding"));
+    plant_free(plant);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tcase = tcase_create("config_midway");
@@ -171,5 +201,6 @@ int main(void)
     tcase_add_test(tcase, test_restored_again);
     tcase_add_test(tcase, test_conf_restores_again);
     tcase_add_test(tcase, test_joins_behind_resets);
+    tcase_add_test(tcase, test_removed_before_lost);
     return suite_run("config_midway", tcase);
 }

@@ -153,7 +153,7 @@ class Bus:
         try:
             return Bus.idle.get_nowait()
         except queue.Empty:
-            name = f"tcan{number}"
+            name = f"t{os.getpid()}n{number}"
         for words in (["add", name, "type", "vcan"], ["set", name, "up"]):
             subprocess.run(["ip", "link", *words], check=True)
         atexit.register(subprocess.run, ["ip", "link", "del", name], check=True)

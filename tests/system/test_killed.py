@@ -16,7 +16,7 @@ from devices import (UNSIGNED8, UNSIGNED32, VISIBLE_STRING, Entry, Record, dcf, 
 
 FLOOD = plant.TOOLS.parent / "tests" / "flood"
 AT_ONCE = 2 if plant.BRIEF else 8
-SHARE = 7 if plant.BRIEF or plant.SANITIZED else 1  # one frame of so many; others in each test
+SHARE = 12 if plant.BRIEF else 7 if plant.SANITIZED else 1  # one frame of so many, others by test
 SOFTWARE = 0x1234
 HANGING = 0.75  # seconds: longer than SDO_Timeout, and no device gives up in that time
 PATIENT = {"Consumer_Heartbeat_Time": 30000, "SDO_Timeout": 10000}
@@ -260,20 +260,20 @@ class Killed(plant.PlantTest):
     def test_at_once(self):
         """a mandatory node is killed at each frame, its default values restored; started at once"""
         xml = self.network(NMT_Mandatory_Slave="TRUE", Restore_Configuration=1)
-        self.judge_all(self.judge_at_once, xml, first=1)
+        self.judge_all(self.judge_at_once, xml, first=2)
 
     def test_compared(self):
         """... one whose configuration is compared, and what differs written"""
         xml = self.network(Verify_Configuration="TRUE")
-        self.judge_all(self.judge_at_once, xml, first=2)
+        self.judge_all(self.judge_at_once, xml, first=5)
 
     def test_manager(self):
         """the manager's process is killed at each frame, and started again"""
-        self.judge_all(self.judge_manager, self.network(), first=3)
+        self.judge_all(self.judge_manager, self.network(), first=8)
 
     def test_manager_hangs(self):
         """the manager is stopped at each frame, and goes on when answers should have come"""
-        self.judge_all(self.judge_hangs, self.network(), first=1)
+        self.judge_all(self.judge_hangs, self.network(), first=10)
 
 
 if __name__ == "__main__":

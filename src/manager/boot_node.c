@@ -301,7 +301,8 @@ static void on_device_type(struct boot_node *self, bool ok, co_us_t now, struct 
         boot_node_fail_request(self, 'B', now, out);
         return;
     }
-    self->stopped = NODE_NOT_STOPPED;
+    if (!self->stopped_meanwhile)
+        self->stopped = NODE_NOT_STOPPED;
     if (has_missed_reset(self)) {
         self->reset_repeated = true;
         boot_node_reset(self, boot_node_reset_command(self), now, out);
@@ -451,6 +452,7 @@ void boot_node_begin(struct boot_node *self, co_us_t now, struct co_outbox *out)
     self->lost = false;
     self->kept_alive = false;
     self->unanswered = false;
+    self->stopped_meanwhile = false;
     supervision_stop(&self->supervision);
     if (!self->config->auto_start_slave) { /* only its error control is the master's */
         boot_node_enter_error_control(self, now, out);
@@ -489,6 +491,7 @@ void boot_node_commanded(struct boot_node *self, enum nmt_command command)
 {
     if (command == NMT_STOP || command == NMT_START || command == NMT_ENTER_PREOPERATIONAL)
         self->stopped = command == NMT_STOP ? NODE_STOPPED : NODE_NOT_STOPPED;
+    self->stopped_meanwhile |= command == NMT_STOP;
     if (command != NMT_START)
         self->start_again = false;
     if (self->step != BOOT_READY && self->step != BOOT_STARTED)

@@ -85,14 +85,15 @@ struct boot_node {
     bool reset_answered; /* its last boot-up message was the one that answers our reset command */
     bool absent;         /* ... and once did not answer since then */
     uint8_t stopped;     /* enum node_stopped */
-    bool reset_repeated; /* because it has missed it; once until it has booted */
-    uint8_t unfollowed;  /* heartbeats that tell another state than the start command asked for */
-    bool state_known;    /* CHECK_STATE: it was reset, it need not be asked again */
-    bool unanswered;     /* CHECK_STATE: it may be stopped, because it has not answered before */
-    bool kept_alive;     /* it was found operational: not configured, not started */
-    bool lost;           /* silent, and left to the application */
-    bool held;           /* taken out of operation by the application: only it starts the node */
-    bool start_again;    /* it ran when it was to be configured */
+    bool stopped_meanwhile; /* since the first read of this attempt: its answer may be older */
+    bool reset_repeated;    /* because it has missed it; once until it has booted */
+    uint8_t unfollowed; /* heartbeats that tell another state than the start command asked for */
+    bool state_known;   /* CHECK_STATE: it was reset, it need not be asked again */
+    bool unanswered;    /* CHECK_STATE: it may be stopped, because it has not answered before */
+    bool kept_alive;    /* it was found operational: not configured, not started */
+    bool lost;          /* silent, and left to the application */
+    bool held;          /* taken out of operation by the application: only it starts the node */
+    bool start_again;   /* it ran when it was to be configured */
     uint8_t reset_command;
     co_us_t deadline;
     unsigned attempts; /* since its last boot, or boot-up message */

@@ -229,6 +229,37 @@ START_TEST(test_stop_all_before_all_have_booted)
 }
 END_TEST
 
+/* The answer to its first read is on its way when it is stopped: it proves nothing. */
+static enum sim_fate answer_late(struct plant *plant, const struct co_frame *frame, uint8_t sender)
+{
+    (void)sender;
+    if (frame->id == 0x606 && frame->data[0] == 0x40 && plant->sim.now > CO_MS(2500))
+        plant->devices[6]->sim->hold_until = plant->sim.now + CO_MS(150);
+    return SIM_DELIVER;
+}
+
+START_TEST(test_stopped_with_an_answer_on_its_way)
+{
+    struct plant *plant = make_plant(
+        PLANT_NODE(5, "") PLANT_NODE(6, "<Vendor_Identification>0x29A</Vendor_Identification>"));
+
+    plant_power_on(plant);
+    plant_run_ms(plant, 2000);
+    plant->fault = answer_late;
+    plant_power(plant, 6, false);
+    plant_power(plant, 6, true);
+    plant_run_ms(plant, 50);
+    ck_assert_int_eq(plant_node(plant, 6)->step, BOOT_DEVICE_TYPE);
+    ck_assert_int_eq(plant_command(plant, NMT_STOP, 0), CO_OK);
+    plant_run_ms(plant, 5000);
+    ck_assert(plant_node(plant, 6)->booted);
+    ck_assert_int_eq(plant_command(plant, NMT_START, 0), CO_OK);
+    plant_run_ms(plant, 3000);
+    watch_expect_up(plant, "is left stopped");
+    plant_free(plant);
+}
+END_TEST
+
 /* --- nodes that the application boots --- */
 
 START_TEST(test_told_only)
@@ -416,6 +447,7 @@ int main(void)
     tcase_add_loop_test(tcase, test_stop_all_still_lost, 0, 2);
     tcase_add_test(tcase, test_stop_all_in_mid_boot);
     tcase_add_loop_test(tcase, test_stop_all_before_all_have_booted, 0, 2);
+    tcase_add_test(tcase, test_stopped_with_an_answer_on_its_way);
     tcase_add_test(tcase, test_told_only);
     tcase_add_test(tcase, test_heartbeat_after_all);
     tcase_add_loop_test(tcase, test_start_not_followed, 0, 2);

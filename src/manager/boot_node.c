@@ -62,7 +62,8 @@ void boot_node_enter(struct boot_node *self, enum boot_step step, struct co_outb
 void boot_node_fail(struct boot_node *self, const struct boot_failure *failure, co_us_t now,
                     struct co_outbox *out)
 {
-    bool retry = boot_failure_is_worth_a_retry(failure, ++self->attempts);
+    bool retry = boot_failure_is_worth_a_retry(failure, ++self->attempts) &&
+                 self->config->auto_start_slave; /* else it has no boot to be tried again */
 
     self->failure = *failure;
     self->history.last = *failure;

@@ -237,7 +237,9 @@ static sdo_abort_t check_all(const struct manager *self, const struct co_event *
 
 static void configure(struct manager *self, struct boot_node *node, co_us_t now)
 {
-    if (node->step == BOOT_READY || node->step == BOOT_STARTED)
+    const bool has_booted = node->step == BOOT_READY || node->step == BOOT_STARTED;
+
+    if (has_booted || !node->config->auto_start_slave)
         boot_network_configure(self, node, now);
     else
         boot_network_renew_node(self, node, boot_node_reset_command(node), now);

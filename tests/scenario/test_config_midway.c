@@ -191,6 +191,28 @@ START_TEST(test_removed_before_lost)
 }
 END_TEST
 
+/* One that is watched only is never reset: what has failed is told, and may be asked for again. */
+START_TEST(test_watched_fails)
+{
+    static const char *const lies[] = { NULL, "585#8000620130000906" };
+    struct plant *plant = make_plant("<NMT_Auto_Start_Slave>FALSE</NMT_Auto_Start_Slave>");
+
+    plant_lie(plant, "605#2F006201", lies[_i], 1);
+    plant_power_on(plant);
+    plant_run_ms(plant, 500);
+    put(plant, 0x1F25, 5, 4, CONF);
+    plant_run_ms(plant, 3000);
+    ck_assert(plant_said(plant, "boot error J"));
+    ck_assert_int_eq(plant_node(plant, 5)->step, BOOT_FAILED);
+    put(plant, 0x1F25, 5, 4, CONF);
+    plant_run_ms(plant, 500);
+    ck_assert_uint_eq(od_number(&plant->devices[5]->od, 0x6200, 1, 0), 0x55);
+    ck_assert_int_eq(plant_node(plant, 5)->step, BOOT_READY);
+    ck_assert_uint_eq(plant_sent(plant, "000#8205") + plant_sent(plant, "000#8105"), 0);
+    plant_free(plant);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tcase = tcase_create("config_midway");
@@ -198,6 +220,7 @@ int main(void)
     tcase_add_loop_test(tcase, test_left_to_the_application, 0, 2);
     tcase_add_test(tcase, test_runs_again);
     tcase_add_test(tcase, test_watched_otherwise);
+    tcase_add_loop_test(tcase, test_watched_fails, 0, 2);
     tcase_add_test(tcase, test_restored_again);
     tcase_add_test(tcase, test_conf_restores_again);
     tcase_add_test(tcase, test_joins_behind_resets);

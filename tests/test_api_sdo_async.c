@@ -1,4 +1,5 @@
 /* mcanOpenReadSDOAsync, mcanOpenWriteSDOAsync, mcanOpenCancelSDO: each request ends once. */
+#include "api/control.h"
 #include "port/bus_segment.h"
 #include "port/clock.h"
 #include "support/api_plant.h"
@@ -461,6 +462,49 @@ START_TEST(shut_down_ends_one_that_asks_for_ever)
 }
 END_TEST
 
+/* --- a slow one --- */
+
+static bool may_go_on;
+
+static void wait_until_allowed(void *context, const SDO_RESULT_T *result)
+{
+    note_end(context, result);
+    lock_take(&ends.lock);
+    while (!may_go_on)
+        condition_wait(&ends.changed, &ends.lock, CO_NEVER);
+    lock_give(&ends.lock);
+}
+
+static void let_go_on(void)
+{
+    lock_take(&ends.lock);
+    may_go_on = true;
+    condition_signal(&ends.changed);
+    lock_give(&ends.lock);
+}
+
+/* Transfers that others wait for take no room from the lines of the log. */
+START_TEST(a_slow_one_loses_no_line_of_the_log)
+{
+    SDO_REQUEST_T request = reading(5, 0x2001, 1);
+    char value;
+    int len = 1;
+
+    boot();
+    may_go_on = false;
+    request.done = wait_until_allowed;
+    ck_assert_int_eq(mcanOpenReadSDOAsync(&request, NULL), MCANOPEN_OK);
+    read_async(7, 0x2000, 4);
+    wait_for_ends(1);
+    for (unsigned i = 0; i <= CONTROL_LOG_EVENTS; i++)
+        ck_assert_int_eq(mcanOpenReadSDO(0, 5, 0x2001, 0, &value, &len, NULL), MCANOPEN_OK);
+    let_go_on();
+    ck_assert_int_eq(mcanOpenShutDown(), MCANOPEN_OK);
+    ck_assert_uint_eq(ends.count, 2);
+    ck_assert_uint_eq(api_log_count(plant, "messages lost"), 0);
+}
+END_TEST
+
 /* --- the bus goes away --- */
 
 START_TEST(requests_end_when_the_bus_is_lost)
@@ -506,6 +550,7 @@ int main(void)
     tcase_add_test(tests, a_request_is_cancelled);
     tcase_add_test(tests, done_may_ask_again_but_not_wait);
     tcase_add_test(tests, shut_down_ends_one_that_asks_for_ever);
+    tcase_add_test(tests, a_slow_one_loses_no_line_of_the_log);
     tcase_add_test(tests, requests_end_when_the_bus_is_lost);
     return suite_run("api_sdo_async", tests);
 }

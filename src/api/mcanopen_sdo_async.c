@@ -65,12 +65,10 @@ static unsigned next_number(struct sdo_async_list *list)
 
 /* --- the way back --- */
 
+/* One mark in the daemon's queue is enough: the rest of it is for lines of the log. */
 bool sdo_async_note_end(struct managed *managed)
 {
-    if (!managed->asyncs.first)
-        return false;
-    atomic_store(&managed->asyncs.due, true);
-    return true;
+    return managed->asyncs.first && !atomic_exchange(&managed->asyncs.due, true);
 }
 
 /* The length of what was read; where it was too long, the room that it needs. */

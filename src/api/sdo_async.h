@@ -23,7 +23,10 @@ struct sdo_async_list { /* of one network, in the order in which they came */
     atomic_bool due; /* some may have ended: the daemon is to look */
 };
 
-/* Under the network's lock: a transfer has ended. True if it may be one of these. */
+/*
+ * Under the network's lock: a transfer has ended. True if it may be one of these, and the daemon is
+ * not to look already.
+ */
 bool sdo_async_note_end(struct managed *managed);
 
 /* By the control daemon: tells the ends of those that have ended since. */

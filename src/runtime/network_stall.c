@@ -13,7 +13,7 @@ bool network_is_behind(struct network *self, co_us_t due, co_us_t now)
     if (now >= self->behind_until && co_earlier(due, self->look) > now)
         return false;
     clock = clock_now();
-    if (clock >= self->behind_next && clock - now > STALL) {
+    if (clock >= self->behind_next && now >= self->behind_until && clock - now > STALL) {
         self->behind_until = clock;
         self->behind_next = clock + REST;
     }

@@ -4,7 +4,7 @@
  */
 #include <mcanopen.h>
 
-#include <stdatomic.h>
+#include <semaphore.h>
 #include <stdio.h>
 
 #define NET 0
@@ -19,7 +19,7 @@ static struct question {
     { 0x1017, 0, "heartbeat in ms" },
 };
 
-static atomic_int open_requests;
+static sem_t answers;
 
 static unsigned long number_of(const unsigned char *bytes, int len)
 {
@@ -42,11 +42,14 @@ static void on_answer(void *context, const SDO_RESULT_T *result)
         printf("\"%.*s\"\n", result->len, (const char *)result->data);
     else
         printf("%lu\n", number_of(result->data, result->len));
-    atomic_fetch_sub(&open_requests, 1);
+    sem_post(&answers);
 }
 
-static void ask(int node)
+/* How many questions there is an answer to come for: one that is not taken gets none. */
+static int ask(int node)
 {
+    int asked = 0;
+
     for (size_t i = 0; i < sizeof questions / sizeof questions[0]; i++) {
         const SDO_REQUEST_T request = { .size = sizeof request,
                                         .net = NET,
@@ -57,10 +60,10 @@ static void ask(int node)
                                         .done = on_answer,
                                         .context = &questions[i] };
 
-        atomic_fetch_add(&open_requests, 1);
-        if (mcanOpenReadSDOAsync(&request, NULL) != MCANOPEN_OK)
-            atomic_fetch_sub(&open_requests, 1); /* then there is no answer */
+        if (mcanOpenReadSDOAsync(&request, NULL) == MCANOPEN_OK)
+            asked++;
     }
+    return asked;
 }
 
 static int wait_until_up(void)
@@ -77,7 +80,9 @@ static int wait_until_up(void)
 int main(int argc, char **argv)
 {
     BOOT_RECORD_T record = { .size = sizeof record };
+    int asked = 0;
 
+    sem_init(&answers, 0, 0);
     mcanOpenInitialize();
     if (mcanOpenConfig(argc > 1 ? argv[1] : "network.xml") != MCANOPEN_OK)
         return 2;
@@ -86,9 +91,11 @@ int main(int argc, char **argv)
         return 1;
     for (int node = 1; node <= 127; node++)
         if (mcanOpenGetBootRecord(NET, node, &record) == MCANOPEN_OK && record.booted)
-            ask(node);
-    while (atomic_load(&open_requests) > 0) /* here the program would do its work */
-        mcanOpenEvent(&(EVENT_T){ 0 }, 0);
+            asked += ask(node);
+    /* Here a program would do its work; this one has no other. */
+    while (asked > 0)
+        if (sem_wait(&answers) == 0)
+            asked--;
     mcanOpenCleanup(); /* would end those that are still under way, with MCAL_NO_NET */
     return 0;
 }

@@ -452,7 +452,7 @@ MCANOPEN_API int mcanOpenWriteSDOAsync(const SDO_REQUEST_T *request, unsigned in
  * Ends a request of this net, under way or waiting for its turn. Its end is told as any other,
  * marked as cancelled. A node in the middle of a transfer gets an abort. Does not wait.
  *
- *   MCAL_NO_EVENT       no such request: it has ended by itself, told or not yet
+ *   MCAL_NO_EVENT       no such request: it has ended, or was cancelled, told or not yet
  *   MCAL_NODE_NOT_FREE  the manager is not started
  */
 MCANOPEN_API int mcanOpenCancelSDO(int net, unsigned int number);

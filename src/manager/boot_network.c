@@ -134,8 +134,12 @@ void boot_network_configure(struct manager *self, struct boot_node *node, co_us_
 void boot_network_boot_again(struct manager *self, struct boot_node *node, co_us_t now)
 {
     boot_network_take_back(self, node, now);
-    if (boot_node_may_begin_anew(node, now, &self->inner))
+    if (!boot_node_may_begin_anew(node, now, &self->inner))
+        return;
+    if (node->config->auto_start_slave)
         boot_network_reboot(self, node, now);
+    else
+        boot_network_configure(self, node, now); /* it has no other boot than by 1F25h */
 }
 
 void boot_network_go_on_updating(struct manager *self, struct boot_node *node, co_us_t now)

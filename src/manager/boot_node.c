@@ -32,6 +32,11 @@ bool boot_node_is_in_mid_boot(const struct boot_node *self)
            boot_node_is_under_way(self) && self->step != BOOT_CHECK_STATE;
 }
 
+bool boot_node_is_written(const struct boot_node *self)
+{
+    return self->step == BOOT_CONFIGURE || self->step == BOOT_SAVE;
+}
+
 enum nmt_command boot_node_reset_command(const struct boot_node *self)
 {
     return self->config->reset_node ? NMT_RESET_NODE : NMT_RESET_COMMUNICATION;

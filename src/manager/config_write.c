@@ -47,7 +47,7 @@ static void leave(struct manager *self, struct boot_node *node, co_us_t now)
 /* What it has got so far is of a configuration that is no more. */
 static void begin_anew(struct manager *self, struct boot_node *node, co_us_t now)
 {
-    const bool is_written = node->step == BOOT_CONFIGURE || node->step == BOOT_SAVE;
+    const bool is_written = boot_node_is_written(node);
 
     if (is_written && !node->config->auto_start_slave) /* 1F25h */
         boot_network_configure(self, node, now);

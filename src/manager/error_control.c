@@ -22,7 +22,9 @@ static void on_boot_up(struct manager *self, uint8_t node_id, const struct co_fr
         boot_network_on_boot_up(self, now); /* booted at the end of the boot delay */
     if (self->state == NETWORK_OFF || self->state == NETWORK_RESETTING)
         return;
-    if (!boot_node_is_booted_by_master(node) || !node->config->auto_start_slave)
+    if (!boot_node_is_booted_by_master(node))
+        return;
+    if (!node->config->auto_start_slave && !boot_node_is_written(node))
         return;
     if (node->step == BOOT_UPDATE_SOFTWARE)
         boot_network_go_on_updating(self, node, now);

@@ -213,6 +213,31 @@ START_TEST(test_watched_fails)
 }
 END_TEST
 
+/* It starts anew in the middle of that: what it had been given is lost, and is given again. */
+START_TEST(test_watched_restarts)
+{
+    struct plant *plant = make_plant("<NMT_Auto_Start_Slave>FALSE</NMT_Auto_Start_Slave>"
+                                     "<SDO_Timeout>2000</SDO_Timeout>");
+
+    plant_lie(plant, "605#2F016201", NULL, 1);
+    plant_add_object(plant->devices[5], 0x6201, 1, 1, 0);
+    plant_configure(plant, 5, 0x6201, 1, 1, 0x66);
+    plant_power_on(plant);
+    plant_run_ms(plant, 500);
+    put(plant, 0x1F25, 5, 4, CONF);
+    plant_run_ms(plant, 100);
+    ck_assert_str_eq(plant_talk(plant, 5), " w6200:1=55 w6201:1=66");
+    plant_power(plant, 5, false);
+    plant_run_ms(plant, 10);
+    plant_power(plant, 5, true);
+    plant_run_ms(plant, 3000);
+    ck_assert_uint_eq(od_number(&plant->devices[5]->od, 0x6200, 1, 0), 0x55);
+    ck_assert_uint_eq(od_number(&plant->devices[5]->od, 0x6201, 1, 0), 0x66);
+    ck_assert_int_eq(plant_node(plant, 5)->step, BOOT_READY);
+    plant_free(plant);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tcase = tcase_create("config_midway");
@@ -221,6 +246,7 @@ int main(void)
     tcase_add_test(tcase, test_runs_again);
     tcase_add_test(tcase, test_watched_otherwise);
     tcase_add_loop_test(tcase, test_watched_fails, 0, 2);
+    tcase_add_test(tcase, test_watched_restarts);
     tcase_add_test(tcase, test_restored_again);
     tcase_add_test(tcase, test_conf_restores_again);
     tcase_add_test(tcase, test_joins_behind_resets);

@@ -530,6 +530,38 @@ START_TEST(requests_end_when_the_bus_is_lost)
 }
 END_TEST
 
+static int wait_for_bus_state(void)
+{
+    return api_wait_event(API_EVENT(PARA_I, MCANOPEN_MSG_BUS_STATE), -1).para.i;
+}
+
+/* Not what is the matter with it when the end is told at last. */
+START_TEST(an_end_tells_of_the_bus_as_it_was)
+{
+    const struct bus_message message = { NULL, 0 };
+    SDO_REQUEST_T request = reading(5, 0x2001, 1);
+    struct segment segment;
+
+    boot();
+    may_go_on = false;
+    request.done = wait_until_allowed;
+    ck_assert_int_eq(mcanOpenReadSDOAsync(&request, NULL), MCANOPEN_OK);
+    wait_for_ends(1);
+    read_async(7, 0x2000, 4);
+    ck_assert_int_eq(segment_open(&segment, plant->bus + strlen("virtual:"), 0, &message), CO_OK);
+    while (segment_lock(&segment, SEGMENT_HOLD_LIMIT) != CO_OK)
+        continue;
+    ck_assert_int_eq(mcanOpenEnterPreop(0, 5), MCANOPEN_OK);
+    ck_assert_int_eq(wait_for_bus_state(), MCANOPEN_BUS_DOWN);
+    segment_unlock(&segment);
+    ck_assert_int_eq(wait_for_bus_state(), MCANOPEN_BUS_ACTIVE);
+    let_go_on();
+    wait_for_ends(2);
+    ck_assert_int_eq(ends.list[1].result.result, MCAL_CAN_TX_ERROR);
+    segment_close(&segment);
+}
+END_TEST
+
 #define ROWS(table) (int)(sizeof(table) / sizeof *(table))
 
 int main(void)
@@ -552,5 +584,6 @@ int main(void)
     tcase_add_test(tests, shut_down_ends_one_that_asks_for_ever);
     tcase_add_test(tests, a_slow_one_loses_no_line_of_the_log);
     tcase_add_test(tests, requests_end_when_the_bus_is_lost);
+    tcase_add_test(tests, an_end_tells_of_the_bus_as_it_was);
     return suite_run("api_sdo_async", tests);
 }

@@ -12,6 +12,7 @@
 struct sdo_async {
     struct sdo_async *next;
     struct sdo_request request;
+    bool is_judged; /* result says how the request has ended */
     SDO_RESULT_T result;
     MCANOPEN_SDO_DONE_T done;
     void *context;
@@ -65,12 +66,6 @@ static unsigned next_number(struct sdo_async_list *list)
 
 /* --- the way back --- */
 
-/* One mark in the daemon's queue is enough: the rest of it is for lines of the log. */
-bool sdo_async_note_end(struct managed *managed)
-{
-    return managed->asyncs.first && !atomic_exchange(&managed->asyncs.due, true);
-}
-
 /* The length of what was read; where it was too long, the room that it needs. */
 static void set_data(SDO_RESULT_T *result, const struct sdo_async *async)
 {
@@ -84,18 +79,30 @@ static void set_data(SDO_RESULT_T *result, const struct sdo_async *async)
         result->len = (int)length;
 }
 
-/* One that was cancelled has its result already. */
-static void set_result(struct sdo_async *async, const struct managed *managed)
+/*
+ * At once, as the state of the bus is a part of it, and the daemon may come late. One that was
+ * cancelled has its result already.
+ */
+static void judge(struct sdo_async *async, const struct managed *managed)
 {
     const struct sdo_request *request = &async->request;
     SDO_RESULT_T *result = &async->result;
 
-    if (request->state != REQUEST_DONE)
+    if (request->state != REQUEST_DONE || async->is_judged)
         return;
+    async->is_judged = true;
     result->result = error_of_sdo(&request->result, network_bus_state(managed->network));
     if (result->result == MCAL_ABORT_DOMAIN)
         error_set(&result->error, request->result.code);
     set_data(result, async);
+}
+
+/* One mark in the daemon's queue is enough: the rest of it is for lines of the log. */
+bool sdo_async_note_end(struct managed *managed)
+{
+    for (struct sdo_async *async = managed->asyncs.first; async; async = async->next)
+        judge(async, managed);
+    return managed->asyncs.first && !atomic_exchange(&managed->asyncs.due, true);
 }
 
 static bool has_ended(const struct sdo_async *async)
@@ -114,7 +121,7 @@ static struct sdo_async *take_ended(struct managed *managed)
         async = async->next;
     if (async) {
         take_out(&managed->asyncs, async);
-        set_result(async, managed);
+        judge(async, managed);
     }
     network_release(managed->network);
     return async;

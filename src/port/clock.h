@@ -5,5 +5,7 @@
 #include "base/time.h"
 
 co_us_t clock_now(void);
+/* The same clock as of the kernel's last tick, 10 ms ago at most; never a system call. */
+co_us_t clock_coarse(void);
 
 #endif

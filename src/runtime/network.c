@@ -476,11 +476,11 @@ struct co_outbox *network_enter_untimed(struct network *self, co_us_t *ret_now)
     return &self->out;
 }
 
-/* The thread that sleeps knows the time, until it is to be woken. */
+/* Within a tick of the kernel the last step or call knows the time. */
 struct co_outbox *network_enter_recent(struct network *self, co_us_t *ret_now)
 {
     lock_take(&self->lock);
-    if (self->sleeps_until == 0 || self->sleeps_until > self->now + NETWORK_RECENT)
+    if (clock_coarse() > self->now)
         network_clock(self);
     *ret_now = self->now;
     return &self->out;

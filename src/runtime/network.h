@@ -19,7 +19,7 @@
 #include "port/thread.h"
 #include "slave/slave.h"
 
-#define NETWORK_RECENT CO_MS(20)
+#define NETWORK_RECENT CO_MS(10) /* the longest tick of the kernel */
 
 enum runtime_event {
     RUNTIME_FRAMES_LOST = 300, /* actual: received frames lost because we were too slow */

@@ -343,6 +343,17 @@ static int finish(const struct boot *self, struct tables *tables, bool up)
     return up ? EXIT_UP : EXIT_NOT_UP;
 }
 
+/* The log has said why not. */
+static bool has_started(const struct boot *self)
+{
+    struct managed *managed;
+
+    if (registry_enter(self->nets[0], true, &managed) != MCANOPEN_OK)
+        return false;
+    registry_leave();
+    return true;
+}
+
 static int run(struct boot *self)
 {
     static struct tables tables;
@@ -351,6 +362,8 @@ static int run(struct boot *self)
     self->start = clock_now();
     self->limit = self->start + self->timeout;
     mcanOpenStart();
+    if (!has_started(self))
+        return EXIT_NOT_UP;
     go_on = wait_until_decided(self);
     if (self->once || !go_on)
         return finish(self, &tables, are_all(self, manager_is_up));

@@ -32,8 +32,8 @@ static void set_up(void)
                                       .boot_time = 5000,
                                       .nodes = nodes,
                                       .node_count = 2,
-                                      .refusal = "1F20h:17: error: it is",
-                                      .refused_node = 5 };
+                                      .refusals = { [2] = "1F20h:17: error: it is" },
+                                      .refused = 6 };
 }
 
 static void tear_down(void)
@@ -120,10 +120,11 @@ static const struct told {
       "a tool commands by 1F82h: \"stop\" to all nodes" },
     { EVENT(NMT_REQUEST, .node = 5, .detail = NMT_START), CO_INFO,
       "a tool commands by 1F82h: \"start\" to node 5" },
-    { EVENT(CONFIG_REFUSED, .node = 5, .index = 0x1F20, .sub = 5), CO_WARNING,
+    { EVENT(CONFIG_REFUSED, .node = 5, .index = 0x1F20, .sub = 5, .actual = 6), CO_WARNING,
       "node 5 \"pump\": what a tool has written to 1F20h:05 is refused: 1F20h:17: error: it is" },
-    { EVENT(CONFIG_REFUSED, .node = 77, .index = 0x1F22, .sub = 77), CO_WARNING,
-      "node 77: what a tool has written to 1F22h:4D is refused" },
+    { EVENT(CONFIG_REFUSED, .node = 77, .index = 0x1F22, .sub = 77, .actual = 2), CO_WARNING,
+      "node 77: what a tool has written to 1F22h:4D is refused; why is no longer known: others "
+      "were refused since" },
     { EVENT(SYNC_MISSING), CO_WARNING, "SYNC is not on the bus: the interface does not send it" },
     { EVENT(REQUEST_DONE, .node = 5), 0, NULL },
 };

@@ -215,9 +215,13 @@ static void add_command(struct text *text, const struct co_event *event)
 static void add_refused(struct text *text, const struct network_config *config,
                         const struct co_event *event)
 {
+    const uint32_t number = (uint32_t)event->actual;
+
     text_add(text, "what a tool has written to %04Xh:%02X is refused", event->index, event->sub);
-    if (event->node == config->refused_node)
-        text_add(text, ": %s", config->refusal);
+    if (config->refused - number < NETWORK_REFUSALS)
+        text_add(text, ": %s", config->refusals[number % NETWORK_REFUSALS]);
+    else
+        text_add(text, "; why is no longer known: others were refused since");
 }
 
 static void add_missing(struct text *text, const struct network_config *config,

@@ -129,12 +129,14 @@ static void tell_refused(struct manager *self, const struct co_event *event, sdo
                                       .node = event->sub,
                                       .index = event->index,
                                       .sub = event->sub,
-                                      .code = code };
+                                      .code = code,
+                                      .actual = config->refused + 1u };
 
     if (report->errors == 0)
         return;
-    config->refused_node = event->sub;
-    snprintf(config->refusal, sizeof config->refusal, "%s", report->first_error);
+    config->refused++;
+    snprintf(config->refusals[config->refused % NETWORK_REFUSALS], NETWORK_REFUSAL_SIZE, "%s",
+             report->first_error);
     co_outbox_put_event(&self->inner, &refused);
 }
 

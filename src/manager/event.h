@@ -32,8 +32,8 @@ enum manager_event {
                                 bytes */
     MANAGER_SECOND_MASTER,   /* an NMT command of another master: detail: command, node */
     MANAGER_CONFIG_REFUSED,  /* node, index, sub: what another tool has written there is no
-                                configuration, network_config.refusal tells why; code: as it was
-                                told */
+                                configuration; actual: number of that, network_config.refusals
+                                tells why; code: as it was told */
     MANAGER_NMT_REQUEST,     /* another tool has commanded through 1F82h: detail, node: as above */
     MANAGER_NODE_ID_TAKEN,   /* node: the manager's own; detail: state that another device reports
                                 with it; actual: how often so far; told ever more rarely */

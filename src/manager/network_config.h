@@ -25,6 +25,7 @@
 #define NETWORK_NODE_MAX     127u
 #define NETWORK_INSTANCES    16u /* most <Manager_Instance> of a file */
 #define NETWORK_MESSAGES     100u
+#define NETWORK_REFUSALS     4u
 #define NETWORK_REFUSAL_SIZE CO_REPORT_TEXT_SIZE
 #define NETWORK_FILE_SIZE    (8u << 20) /* most bytes of a file */
 
@@ -102,9 +103,9 @@ struct network_config {
     uint32_t debug_mask;
     struct node_config *nodes; /* in the order of the file; they stay where they are */
     size_t node_count, node_room;
-    /* What was wrong with the last configuration of a node that came over CAN and was not taken. */
-    char refusal[NETWORK_REFUSAL_SIZE];
-    uint8_t refused_node; /* 0: none yet */
+    /* What was wrong with the last configurations that came over CAN and were not taken. */
+    char refusals[NETWORK_REFUSALS][NETWORK_REFUSAL_SIZE]; /* number n is in n % NETWORK_REFUSALS */
+    uint32_t refused;                                      /* number of the last one; 0: none yet */
 };
 
 /*

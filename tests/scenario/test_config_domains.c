@@ -2,6 +2,7 @@
  * What is to be written to the nodes, over the network: 1F20h (text of a DCF), 1F22h (concise DCF),
  * 1F58h (program) of the manager's dictionary.
  */
+#include "manager/boot_text.h"
 #include "support/dcf_file.h"
 #include "support/loader.h"
 #include "support/suite.h"
@@ -132,6 +133,36 @@ START_TEST(test_wrong_concise)
     ck_assert_msg(plant_said(plant, row->said), "%s: %s", row->name, plant->events);
     ck_assert(plant_said(plant, "warning: node 5 \"pump\": what a tool has written to 1F22h:05 is "
                                 "refused: 1F22h: error: "));
+    plant_free(plant);
+}
+END_TEST
+
+/* The owner asks later, when more were refused: each tells its own reason, or that it is gone. */
+START_TEST(test_refused_in_a_row)
+{
+    static const char *const requests[] = { "67F#27221F0501000000", "67F#23221F0501000000" };
+    static const char *const said[] = { "a concise DCF begins with a count",
+                                        "entry 1 of 1 at byte 4" };
+    struct plant *plant = run_plant(PLANT_NODE(5, ""));
+    struct co_frame frames[16], request;
+    struct co_event events[16], event;
+    struct co_outbox kept;
+    enum co_severity severity;
+    char text[512];
+
+    co_outbox_init(&kept, frames, 16, events, 16);
+    for (unsigned i = 0; i < 6; i++) {
+        ck_assert(co_frame_parse(requests[i % 2], &request));
+        manager_on_frame(plant->manager, &request, plant->sim.now, &kept);
+    }
+    for (unsigned i = 0; i < 6; i++) {
+        const char *const expected = i < 2 ? "no longer known" : said[i % 2];
+
+        ck_assert(co_outbox_take_event(&kept, &event));
+        ck_assert(boot_text_event(plant->config, &event, &severity, text, sizeof text));
+        ck_assert_msg(strstr(text, expected), "%u: %s", i, text);
+        ck_assert_uint_eq(event.code, 0x06070013);
+    }
     plant_free(plant);
 }
 END_TEST
@@ -336,6 +367,7 @@ int main(void)
 
     tcase_add_test(tcase, test_concise);
     tcase_add_loop_test(tcase, test_wrong_concise, 0, (int)(sizeof wrongs / sizeof wrongs[0]));
+    tcase_add_test(tcase, test_refused_in_a_row);
     tcase_add_test(tcase, test_size);
     tcase_add_test(tcase, test_nothing);
     tcase_add_test(tcase, test_something);

@@ -10,6 +10,7 @@ static void on_boot_up(struct manager *self, uint8_t node_id, const struct co_fr
                        co_us_t now)
 {
     struct boot_node *node = &self->nodes[node_id];
+    const bool is_updated = node->step == BOOT_UPDATE_SOFTWARE; /* to its end, whoever boots it */
 
     put_event(self, (struct co_event){ .type = MANAGER_NODE_BOOT_UP,
                                        .node = node_id,
@@ -24,9 +25,9 @@ static void on_boot_up(struct manager *self, uint8_t node_id, const struct co_fr
         return;
     if (!boot_node_is_booted_by_master(node))
         return;
-    if (!node->config->auto_start_slave && !boot_node_is_written(node))
+    if (!node->config->auto_start_slave && !boot_node_is_written(node) && !is_updated)
         return;
-    if (node->step == BOOT_UPDATE_SOFTWARE)
+    if (is_updated)
         boot_network_go_on_updating(self, node, now);
     else if (node->step != BOOT_RESET)
         boot_network_boot_again(self, node, now);

@@ -4,6 +4,7 @@
  */
 #include "support/loader.h"
 #include "support/suite.h"
+#include "support/tool.h"
 
 static const struct middle {
     const char *phase;
@@ -65,6 +66,44 @@ START_TEST(test_restart_while_asked)
     loader_expect_updated(&loader, asked[_i].from);
     ck_assert(!plant_said(loader.plant, "error"));
     ck_assert_uint_eq(plant_said_times(loader.plant, "checks its software"), 2);
+    plant_free(loader.plant);
+}
+END_TEST
+
+/* It is not to be booted any more (1F81h): its update ends all the same, then it is left alone. */
+static const struct left {
+    const char *phase; /* it restarts in that ... */
+    bool slow;
+    const char *unheard; /* ... or when it has not heard this, behind it */
+} left[] = { { "stops its program", false, NULL },
+             { "stops its program", false, "605#2F511F0103" },
+             { "clears its program", true, NULL },
+             { "writes its program", true, NULL },
+             { "starts its program", false, NULL } };
+
+START_TEST(test_restart_when_left_alone)
+{
+    const struct left *row = &left[_i];
+    struct loader loader;
+
+    loader_make(&loader, LOADER_UPDATE);
+    tool_attach(loader.plant);
+    loader.clear_ms = row->slow ? 3000 : 50;
+    loader.write_ms = row->slow ? 3000 : 50;
+    loader_run_until(&loader, row->phase, 10000);
+    if (row->unheard)
+        plant_lie(loader.plant, row->unheard, NULL, 1);
+    tool_set(loader.plant, 0x1F81, 5, 0x01);
+    loader_run(&loader, 120);
+    ck_assert(!row->unheard || loader.plant->lies[0].times == 0);
+    loader_restart(&loader, 100);
+    loader_run(&loader, 15000);
+    ck_assert_msg(loader.running && loader.id == LOADER_NEW, "%s", loader.plant->events);
+    ck_assert_uint_eq(loader.programs, 1);
+    ck_assert_int_eq(plant_node(loader.plant, 5)->step, BOOT_READY);
+    ck_assert_uint_eq(plant_said_times(loader.plant, "checks its software"), 1);
+    ck_assert(!plant_said(loader.plant, "error"));
+    ck_assert_int_eq(loader.plant->devices[5]->slave.state, NMT_PREOPERATIONAL);
     plant_free(loader.plant);
 }
 END_TEST
@@ -136,6 +175,7 @@ int main(void)
 
     tcase_add_loop_test(tcase, test_restart, 0, sizeof middles / sizeof middles[0]);
     tcase_add_loop_test(tcase, test_restart_while_asked, 0, sizeof asked / sizeof asked[0]);
+    tcase_add_loop_test(tcase, test_restart_when_left_alone, 0, sizeof left / sizeof left[0]);
     tcase_add_loop_test(tcase, test_restart_in_download, 0, 2);
     tcase_add_test(tcase, test_given_up);
     tcase_add_test(tcase, test_replaced_often);

@@ -64,6 +64,15 @@ void boot_node_enter(struct boot_node *self, enum boot_step step, struct co_outb
 
 /* --- how an attempt ends --- */
 
+/* One that is watched only has no boot behind that, which would begin its supervision. */
+static void watch_failed(struct boot_node *self, co_us_t now, struct co_outbox *out)
+{
+    co_us_t limit;
+
+    if (!self->config->auto_start_slave && !boot_node_is_without_heartbeat(self))
+        supervision_start(&self->supervision, self->config, now, out, &limit);
+}
+
 void boot_node_fail(struct boot_node *self, const struct boot_failure *failure, co_us_t now,
                     struct co_outbox *out)
 {
@@ -93,6 +102,7 @@ void boot_node_fail(struct boot_node *self, const struct boot_failure *failure, 
     self->reset_due = self->stopped != NODE_NOT_STOPPED || failure->step == BOOT_CONFIGURE ||
                       failure->step == BOOT_SAVE;
     self->reset_command = (uint8_t)boot_node_reset_command(self);
+    watch_failed(self, now, out);
 }
 
 static void fail_at_entry(struct boot_node *self, struct boot_failure failure, co_us_t now,

@@ -128,6 +128,8 @@ bool boot_node_is_booted_by_master(const struct boot_node *self);
 bool boot_node_is_under_way(const struct boot_node *self);
 /* The same, where it must not run yet: it is booted by the master, and not asked for its state. */
 bool boot_node_is_in_mid_boot(const struct boot_node *self);
+/* It has failed for want of a heartbeat. */
+bool boot_node_is_without_heartbeat(const struct boot_node *self);
 /* Its configuration is being written. */
 bool boot_node_is_written(const struct boot_node *self);
 /* How long the device may take for a write to this object. */

@@ -39,11 +39,15 @@ static void check_followed(struct boot_node *self, struct co_outbox *out)
         self->start_due = true;
 }
 
+bool boot_node_is_without_heartbeat(const struct boot_node *self)
+{
+    return self->step == BOOT_FAILED && self->failure.letter == 'K';
+}
+
 /* It has failed for want of a heartbeat, and here is a steady one. */
 static bool is_steady_at_last(const struct boot_node *self, co_us_t now)
 {
-    return self->step == BOOT_FAILED && self->failure.letter == 'K' &&
-           supervision_is_alive(&self->supervision, now);
+    return boot_node_is_without_heartbeat(self) && supervision_is_alive(&self->supervision, now);
 }
 
 void boot_node_on_error_control(struct boot_node *self, const struct co_frame *frame, co_us_t now,

@@ -86,7 +86,7 @@ void error_control_on_lost(struct manager *self, uint8_t node_id, co_us_t now)
     struct boot_node *node = &self->nodes[node_id];
     enum action_on_error action = self->rules.action_on_error;
 
-    if (node->step == BOOT_FAILED || boot_node_on_silence(node, now, &self->inner))
+    if (boot_node_is_without_heartbeat(node) || boot_node_on_silence(node, now, &self->inner))
         return; /* it was not in operation */
     if (!supervision_is_on(&node->supervision))
         return; /* its boot has begun anew since, or it was removed */

@@ -2,6 +2,7 @@
  * The configuration changes while something is under way that the old one has begun: a boot, a
  * restoring of default values, the reset of the network.
  */
+#include "od/od_store.h"
 #include "support/suite.h"
 #include "support/tool.h"
 #include "support/watch.h"
@@ -213,6 +214,46 @@ START_TEST(test_watched_fails)
 }
 END_TEST
 
+/* What was refused does not end its supervision, whose end is told and not more than that. */
+START_TEST(test_watched_on_failed)
+{
+    static const struct {
+        const char *node, *lie, *lost;
+    } rows[] = {
+        { "<Guard_Time>50</Guard_Time><Life_Time_Factor>3</Life_Time_Factor>",
+          "585#8000620130000906", "node 5: no answer to guarding" },
+        { "<Consumer_Heartbeat_Time>300</Consumer_Heartbeat_Time>", "585#8000620130000906",
+          "node 5: heartbeat lost" },
+        { "<Guard_Time>50</Guard_Time><Life_Time_Factor>3</Life_Time_Factor>", NULL,
+          "node 5: no answer to guarding" },
+    };
+    char node[256];
+    struct plant *plant;
+
+    snprintf(node, sizeof node, "<NMT_Auto_Start_Slave>FALSE</NMT_Auto_Start_Slave>%s",
+             rows[_i].node);
+    plant = make_plant(node);
+    od_set_number(&plant->devices[5]->od, 0x1017, 0, _i == 1 ? 100 : 0);
+    ck_assert_int_eq(od_store(&plant->devices[5]->od, 0x1017, 0x1017), CO_OK);
+    plant_lie(plant, "605#2F006201", rows[_i].lie, 1);
+    plant_power_on(plant);
+    plant_run_ms(plant, 1000);
+    put(plant, 0x1F25, 5, 4, CONF);
+    plant_run_ms(plant, 1000);
+    ck_assert_int_eq(plant_node(plant, 5)->step, BOOT_FAILED);
+    ck_assert(!plant_said(plant, rows[_i].lost));
+    plant_power(plant, 5, false);
+    plant_run_ms(plant, 1000);
+    ck_assert_msg(plant_said_times(plant, rows[_i].lost) == 1, "%s", plant->events);
+    plant_power(plant, 5, true);
+    plant_run_ms(plant, 1000);
+    ck_assert_msg(!plant_node(plant, 5)->lost, "%s", plant->events);
+    ck_assert_uint_eq(plant_said_times(plant, "boot error"), 1);
+    ck_assert_uint_eq(plant_sent(plant, "000#8205") + plant_sent(plant, "000#8105"), 0);
+    plant_free(plant);
+}
+END_TEST
+
 /* It starts anew in the middle of that: what it had been given is lost, and is given again. */
 START_TEST(test_watched_restarts)
 {
@@ -246,6 +287,7 @@ int main(void)
     tcase_add_test(tcase, test_runs_again);
     tcase_add_test(tcase, test_watched_otherwise);
     tcase_add_loop_test(tcase, test_watched_fails, 0, 2);
+    tcase_add_loop_test(tcase, test_watched_on_failed, 0, 3);
     tcase_add_test(tcase, test_watched_restarts);
     tcase_add_test(tcase, test_restored_again);
     tcase_add_test(tcase, test_conf_restores_again);

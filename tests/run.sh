@@ -275,10 +275,13 @@ run_valgrind()
     [ "$bad" -eq 0 ]
 }
 
+# Without the pipes of its debugger: programs that are killed would leave them behind.
+valgrind="valgrind -q --vgdb=no --error-exitcode=99 --leak-check=full"
+
 valgrind_one()
 {
-    CK_FORK=no CK_TIMEOUT_MULTIPLIER=10 valgrind -q --error-exitcode=99 --leak-check=full \
-        --errors-for-leak-kinds=definite,possible "$@"
+    # shellcheck disable=SC2086 # a list of words
+    CK_FORK=no CK_TIMEOUT_MULTIPLIER=10 $valgrind --errors-for-leak-kinds=definite,possible "$@"
 }
 
 # Each function of the API, each XML element is taken away once: the tests named for it must fail.
@@ -329,7 +332,7 @@ show_seeds()
 run_refusals()
 {
     cd tests/system || return 1
-    MCANOPEN_TEST_WRAP="valgrind -q --error-exitcode=99 --leak-check=full" \
+    MCANOPEN_TEST_WRAP=$valgrind \
         MCANOPEN_TOOLS=$build/debug/tools python3 test_bad_input.py
 }
 
@@ -337,7 +340,7 @@ run_refusals()
 run_examples()
 {
     cd tests/system || return 1
-    MCANOPEN_TEST_WRAP="valgrind -q --error-exitcode=99 --leak-check=full --show-leak-kinds=all
+    MCANOPEN_TEST_WRAP="$valgrind --show-leak-kinds=all
         --errors-for-leak-kinds=all" \
         MCANOPEN_TOOLS=$build/debug/tools python3 test_examples.py
 }
@@ -370,13 +373,13 @@ run_side_by_side()
         lane vcan run_vcan
         lane interop run_interop
         lane format run_format
+        lane examples run_examples
     } &
     lane contract run_contract
     lane mutants run_mutants
     lane coverage run_coverage
     lane valgrind run_valgrind
     lane refusals run_refusals
-    lane examples run_examples
     wait
 }
 

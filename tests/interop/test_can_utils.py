@@ -140,6 +140,14 @@ class CanUtils(plant.PlantTest):
         boot.wait_for("start command sent", times=2)
         self.assert_stopped(boot)
 
+    def test_boot_up_of_the_third_edition(self):
+        """an emergency without data is a boot-up message"""
+        boot = self.started()
+        self.assert_reported(boot, "085#", 'node 5 "five": boot-up message')
+        boot.wait_for('node 5 "five": booted', times=2)
+        boot.wait_for("start command sent", times=2)
+        self.assert_stopped(boot)
+
     def test_preset_emergency_consumer(self):
         """with Preset_Emergency_Consumer the emergencies of other nodes as well"""
         boot = self.started(Preset_Emergency_Consumer="TRUE")
@@ -153,7 +161,7 @@ class CanUtils(plant.PlantTest):
         for frame in ("00000085#0010010000000000", "00000705#00", "0000072A#00", "00000000#0105",
                       "00000585#6000200000000000", "1FFFFFFF#0102030405060708",
                       "085#R", "705#R", "72A#R", "000#R", "585#R", "605#R",
-                      "085#", "085#00", "705#", "72A#", "000#", "000#01", "000#010500",
+                      "085#00", "705#", "72A#", "000#", "000#01", "000#010500",
                       "585#", "585#60", "585#600020", "605#", "605#40", "605#4000200000000000",
                       "585#4300100000000000", "5AA#6000200000000000", "0AA#0010010000000000",
                       "000#AA05", "080#", "100#010203040506", "7E5#0400000000000000", "67F#R"):

@@ -122,9 +122,11 @@ class AsyncIo(ExampleTest):
         self.frames.wait_for("185#01000080" + little(0x13))
         self.end()
         inputs = self.inputs()
-        at = inputs.index((0x80000001, 0x10))
+        # The timer may have counted already before the first frame with both of them goes out.
+        at = next(i for i, each in enumerate(inputs) if each in ((0x80000001, 0x10),
+                                                                  (0x80000001, 0x11)))
         self.assertTrue(all(wired == 0x12345678 for wired, _ in inputs[:at - 1]), inputs)
-        self.assert_counts(inputs[at:], 0x80000001, 0x10)
+        self.assert_counts(inputs[at:], 0x80000001, inputs[at][1])
 
 
 class Cia401Io(ExampleTest):

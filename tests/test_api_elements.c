@@ -79,7 +79,7 @@ END_TEST
 START_TEST(name)
 {
     api_boot(plant, "<Name>conveyor</Name>" API_NODE_WITH(5, API_PATIENT));
-    api_wait_log(plant, "2 conveyor network is up: 1 of 1 nodes booted");
+    api_wait_log(plant, "2 conveyor: network is up: 1 of 1 nodes booted");
 }
 END_TEST
 

@@ -281,7 +281,7 @@ START_TEST(two_networks_in_one_process)
     ck_assert_int_eq(mcanOpenGetNodeState(3, 5, &state), MCANOPEN_OK);
     ck_assert_int_eq(state, MCANOPEN_STATE_OPERATIONAL);
     ck_assert_int_eq(mcanOpenGetNodeState(0, 5, &state), MCAL_NO_NET);
-    snprintf(text, sizeof text, "%s node 5: booted", second->bus);
+    snprintf(text, sizeof text, "%s: node 5: booted", second->bus);
     api_wait_log(second, text); /* its hook is the last one set */
     ck_assert_int_eq(mcanOpenCleanup(), MCANOPEN_OK);
     api_plant_free(second);

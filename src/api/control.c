@@ -145,7 +145,7 @@ static void log_line(const struct log_event *line)
 
     if (!make_text(line, &severity, text, sizeof text))
         return;
-    snprintf(full, sizeof full, "%.63s%s%s", name, name[0] ? " " : "", text);
+    snprintf(full, sizeof full, "%.63s%s%s", name, name[0] ? ": " : "", text);
     log_put(severity, full);
 }
 

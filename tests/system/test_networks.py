@@ -54,8 +54,8 @@ class Networks(plant.PlantTest):
             f'network 0 "hall" on {self.bus.name}': [(5, "OPERATIONAL")],
             f"network 7 on {self.second.name}": [(5, "OPERATIONAL"), (6, "OPERATIONAL")]},
             boot.story())
-        self.assertIn("hall network is up: 1 of 1 nodes booted", boot.out.text())
-        self.assertIn(f"{self.second.name} network is up: 2 of 2 nodes booted", boot.out.text())
+        self.assertIn("hall: network is up: 1 of 1 nodes booted", boot.out.text())
+        self.assertIn(f"{self.second.name}: network is up: 2 of 2 nodes booted", boot.out.text())
 
     def test_one_halted(self):
         """a wrong device halts its network; the other one comes up first, whatever is first"""

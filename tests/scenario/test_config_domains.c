@@ -20,43 +20,7 @@
 #define NO_TIME 0x08000022u /* not in this state */
 #define REFUSED 0x06090030u
 
-/* 6200h:01 = 55h; and = 66h with another object behind it. */
-static const uint8_t concise[] = { 1, 0, 0, 0, 0x00, 0x62, 1, 1, 0, 0, 0, 0x55 };
-static const uint8_t other[] = { 2, 0,    0, 0,    0x00, 0x62, 1, 1, 0, 0,
-                                 0, 0x66, 1, 0x62, 1,    1,    0, 0, 0, 0x77 };
 static const uint8_t nothing[] = { 0, 0, 0, 0 };
-
-static struct plant *make_plant(const char *xml)
-{
-    struct plant *plant = plant_new(xml, 1000000);
-
-    for (uint8_t node = 5; node <= 7; node++) {
-        struct plant_device *device = plant_add_device(plant, node);
-
-        plant_add_object(device, 0x6200, 1, 1, 0);
-        plant_add_object(device, 0x6201, 1, 1, 0);
-    }
-    watch_start(plant);
-    tool_attach(plant);
-    plant_power_on(plant);
-    return plant;
-}
-
-static struct plant *run_plant(const char *xml)
-{
-    struct plant *plant = make_plant(xml);
-
-    plant_run_ms(plant, 1000);
-    return plant;
-}
-
-static uint32_t put_concise(struct plant *plant, uint8_t node, const uint8_t *bytes, uint32_t size)
-{
-    const uint32_t code = tool_write(plant, 0x1F22, node, bytes, size);
-
-    plant_run_ms(plant, 2); /* what follows from it is behind the answer */
-    return code;
-}
 
 static void expect_bytes(struct plant *plant, uint16_t index, uint8_t sub, const void *bytes,
                          uint32_t size)
@@ -81,18 +45,18 @@ static void expect_no_bytes(struct plant *plant, uint16_t index, uint8_t sub)
 
 START_TEST(test_concise)
 {
-    struct plant *plant = run_plant("");
+    struct plant *plant = tool_plant_run("");
 
     expect_bytes(plant, 0x1F22, 5, nothing, sizeof nothing);
-    ck_assert_uint_eq(put_concise(plant, 5, other, sizeof other), 0);
-    expect_bytes(plant, 0x1F22, 5, other, sizeof other);
+    ck_assert_uint_eq(tool_put_concise(plant, 5, tool_concise_more, sizeof tool_concise_more), 0);
+    expect_bytes(plant, 0x1F22, 5, tool_concise_more, sizeof tool_concise_more);
     expect_no_bytes(plant, 0x1F20, 5);
     tool_set(plant, 0x1F81, 5, BOOTED);
     plant_run_ms(plant, 500);
     tool_expect_state(plant, 5, NMT_OPERATIONAL);
     tool_expect_value(plant, 5, 0x6200, 0x66);
     tool_expect_value(plant, 5, 0x6201, 0x77);
-    ck_assert_uint_eq(put_concise(plant, 5, nothing, sizeof nothing), 0);
+    ck_assert_uint_eq(tool_put_concise(plant, 5, nothing, sizeof nothing), 0);
     expect_bytes(plant, 0x1F22, 5, nothing, sizeof nothing);
     plant_free(plant);
 }
@@ -123,12 +87,12 @@ static const struct wrong {
 START_TEST(test_wrong_concise)
 {
     const struct wrong *row = &wrongs[_i];
-    struct plant *plant = run_plant(PLANT_NODE(5, "<Name>pump</Name>"));
+    struct plant *plant = tool_plant_run(PLANT_NODE(5, "<Name>pump</Name>"));
 
-    ck_assert_uint_eq(put_concise(plant, 5, concise, sizeof concise), 0);
-    ck_assert_uint_eq(put_concise(plant, 5, row->bytes, row->size), row->code);
-    expect_bytes(plant, 0x1F22, 5, concise, sizeof concise);
-    ck_assert_uint_eq(put_concise(plant, 6, row->bytes, row->size), row->code);
+    ck_assert_uint_eq(tool_put_concise(plant, 5, tool_concise, sizeof tool_concise), 0);
+    ck_assert_uint_eq(tool_put_concise(plant, 5, row->bytes, row->size), row->code);
+    expect_bytes(plant, 0x1F22, 5, tool_concise, sizeof tool_concise);
+    ck_assert_uint_eq(tool_put_concise(plant, 6, row->bytes, row->size), row->code);
     ck_assert_uint_eq(plant->config->node_count, 1);
     ck_assert_msg(plant_said(plant, row->said), "%s: %s", row->name, plant->events);
     ck_assert(plant_said(plant, "warning: node 5 \"pump\": what a tool has written to 1F22h:05 is "
@@ -143,7 +107,7 @@ START_TEST(test_refused_in_a_row)
     static const char *const requests[] = { "67F#27221F0501000000", "67F#23221F0501000000" };
     static const char *const said[] = { "a concise DCF begins with a count",
                                         "entry 1 of 1 at byte 4" };
-    struct plant *plant = run_plant(PLANT_NODE(5, ""));
+    struct plant *plant = tool_plant_run(PLANT_NODE(5, ""));
     struct co_frame frames[16], request;
     struct co_event events[16], event;
     struct co_outbox kept;
@@ -170,7 +134,7 @@ END_TEST
 /* 1 MiB is enough for a configuration. */
 START_TEST(test_size)
 {
-    struct plant *plant = run_plant("");
+    struct plant *plant = tool_plant_run("");
 
     sim_say(&plant->sim, "67F#21221F0501001000");
     plant_run_ms(plant, 10);
@@ -185,12 +149,12 @@ END_TEST
 /* What says nothing makes no node of the network. */
 START_TEST(test_nothing)
 {
-    struct plant *plant = run_plant("");
+    struct plant *plant = tool_plant_run("");
 
-    ck_assert_uint_eq(put_concise(plant, 5, nothing, sizeof nothing), 0);
+    ck_assert_uint_eq(tool_put_concise(plant, 5, nothing, sizeof nothing), 0);
     ck_assert_uint_eq(tool_put(plant, 0x1F21, 5, 1, 0), 0);
     ck_assert_uint_eq(plant->config->node_count, 0);
-    ck_assert_uint_eq(put_concise(plant, 127, concise, sizeof concise), REFUSED);
+    ck_assert_uint_eq(tool_put_concise(plant, 127, tool_concise, sizeof tool_concise), REFUSED);
     ck_assert_uint_eq(plant->config->node_count, 0);
     plant_free(plant);
 }
@@ -200,7 +164,7 @@ END_TEST
 START_TEST(test_something)
 {
     static const char text[] = CLEAN;
-    struct plant *plant = run_plant("");
+    struct plant *plant = tool_plant_run("");
 
     ck_assert_uint_eq(tool_write(plant, 0x1F20, 5, text, sizeof text - 1), 0);
     expect_bytes(plant, 0x1F22, 5, nothing, sizeof nothing);
@@ -216,9 +180,9 @@ END_TEST
 
 START_TEST(test_no_master)
 {
-    struct plant *plant = run_plant("<NMT_Master>FALSE</NMT_Master>" PLANT_NODE(5, ""));
+    struct plant *plant = tool_plant_run("<NMT_Master>FALSE</NMT_Master>" PLANT_NODE(5, ""));
 
-    ck_assert_uint_eq(put_concise(plant, 5, concise, sizeof concise), 0x08000021);
+    ck_assert_uint_eq(tool_put_concise(plant, 5, tool_concise, sizeof tool_concise), 0x08000021);
     ck_assert_uint_eq(tool_put(plant, 0x1F25, 5, 4, CONF), 0x08000021);
     expect_bytes(plant, 0x1F22, 5, nothing, sizeof nothing);
     plant_free(plant);
@@ -228,12 +192,12 @@ END_TEST
 /* There is no memory for another node. */
 START_TEST(test_no_memory)
 {
-    struct plant *plant = run_plant(PLANT_NODE(5, ""));
+    struct plant *plant = tool_plant_run(PLANT_NODE(5, ""));
 
     plant->config->node_room = 1;
-    ck_assert_uint_eq(put_concise(plant, 6, concise, sizeof concise), 0x05040005);
+    ck_assert_uint_eq(tool_put_concise(plant, 6, tool_concise, sizeof tool_concise), 0x05040005);
     ck_assert_uint_eq(tool_put(plant, 0x1F81, 6, 4, BOOTED), 0x05040005);
-    ck_assert_uint_eq(put_concise(plant, 5, concise, sizeof concise), 0);
+    ck_assert_uint_eq(tool_put_concise(plant, 5, tool_concise, sizeof tool_concise), 0);
     ck_assert_uint_eq(plant->config->node_count, 1);
     plant_free(plant);
 }
@@ -256,7 +220,7 @@ START_TEST(test_replaced_while_written)
     plant_power_on(plant);
     plant_run_ms(plant, 500);
     ck_assert_int_eq(plant_node(plant, 5)->step, BOOT_CONFIGURE);
-    ck_assert_uint_eq(put_concise(plant, 5, other, sizeof other), 0);
+    ck_assert_uint_eq(tool_put_concise(plant, 5, tool_concise_more, sizeof tool_concise_more), 0);
     ck_assert_uint_eq(plant_sent(plant, "000#8205"), 1);
     plant_run_ms(plant, 1000);
     tool_expect_state(plant, 5, NMT_OPERATIONAL);
@@ -276,17 +240,17 @@ END_TEST
 START_TEST(test_text)
 {
     static const char text[] = TEXT("5", "ParameterValue=0x55\n");
-    struct plant *plant = run_plant("");
+    struct plant *plant = tool_plant_run("");
 
     ck_assert_uint_eq(tool_put(plant, 0x1F21, 5, 1, 1), REFUSED);
     ck_assert_uint_eq(tool_write(plant, 0x1F20, 5, text, sizeof text - 1), 0);
     expect_bytes(plant, 0x1F20, 5, text, sizeof text - 1);
-    expect_bytes(plant, 0x1F22, 5, concise, sizeof concise);
+    expect_bytes(plant, 0x1F22, 5, tool_concise, sizeof tool_concise);
     tool_set(plant, 0x1F81, 5, BOOTED);
     plant_run_ms(plant, 500);
     tool_expect_state(plant, 5, NMT_OPERATIONAL);
     tool_expect_value(plant, 5, 0x6200, 0x55);
-    ck_assert_uint_eq(put_concise(plant, 5, other, sizeof other), 0);
+    ck_assert_uint_eq(tool_put_concise(plant, 5, tool_concise_more, sizeof tool_concise_more), 0);
     expect_no_bytes(plant, 0x1F20, 5);
     ck_assert_uint_eq(tool_write(plant, 0x1F20, 5, text, sizeof text - 1), 0);
     ck_assert_uint_eq(tool_write(plant, 0x1F20, 5, text, 0), 0);
@@ -314,15 +278,15 @@ static const struct wrong_text {
 START_TEST(test_wrong_text)
 {
     const struct wrong_text *row = &wrong_texts[_i];
-    struct plant *plant = run_plant(PLANT_NODE(5, ""));
+    struct plant *plant = tool_plant_run(PLANT_NODE(5, ""));
 
-    ck_assert_uint_eq(put_concise(plant, 5, other, sizeof other), 0);
+    ck_assert_uint_eq(tool_put_concise(plant, 5, tool_concise_more, sizeof tool_concise_more), 0);
     ck_assert_uint_eq(tool_write(plant, 0x1F20, 5, row->text, (uint32_t)strlen(row->text)),
                       0x08000020);
     plant_run_ms(plant, 2);
     ck_assert_msg(plant_said(plant, "1F20h:05 is refused: 1F20h") && plant_said(plant, row->said),
                   "%s", plant->events);
-    expect_bytes(plant, 0x1F22, 5, other, sizeof other);
+    expect_bytes(plant, 0x1F22, 5, tool_concise_more, sizeof tool_concise_more);
     expect_no_bytes(plant, 0x1F20, 5);
     plant_free(plant);
 }
@@ -353,7 +317,7 @@ START_TEST(test_program)
     loader_run(&loader, 1000);
     ck_assert_int_eq(plant_node(loader.plant, 5)->step, BOOT_UPDATE_SOFTWARE);
     ck_assert_uint_eq(tool_write(loader.plant, 0x1F58, 5, program, 10), NO_TIME);
-    ck_assert_uint_eq(put_concise(loader.plant, 5, concise, sizeof concise), 0);
+    ck_assert_uint_eq(tool_put_concise(loader.plant, 5, tool_concise, sizeof tool_concise), 0);
     loader_run(&loader, 3000);
     loader_expect_updated(&loader, "1F58h");
     ck_assert(plant_said(loader.plant, "writes its program: 2000 bytes of 1F58h"));

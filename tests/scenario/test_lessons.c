@@ -13,25 +13,6 @@
 #define MANDATORY  "<NMT_Mandatory_Slave>TRUE</NMT_Mandatory_Slave>"
 #define VENDOR     "<Vendor_Identification>0x29A</Vendor_Identification>"
 
-#define ENTRIES 5u
-
-/* Nodes 5 and 6, each with entries to write; further nodes of the XML are absent. */
-static struct plant *make_plant(const char *xml)
-{
-    struct plant *plant = plant_new(xml, 1000000);
-
-    for (uint8_t node = 5; node <= 6; node++) {
-        struct plant_device *device = plant_add_device(plant, node);
-
-        for (uint8_t sub = 1; sub <= ENTRIES; sub++) {
-            plant_add_object(device, 0x6200, sub, 1, 0);
-            plant_configure(plant, node, 0x6200, sub, 1, 0x50u + sub);
-        }
-    }
-    watch_start(plant);
-    return plant;
-}
-
 static void restart(struct plant *plant, uint8_t node)
 {
     plant_power(plant, node, false);
@@ -46,7 +27,7 @@ static void restart(struct plant *plant, uint8_t node)
  */
 START_TEST(test_guarded_node_is_seen_to_boot)
 {
-    struct plant *plant = make_plant(PLANT_NODE(5, GUARDED KEPT_ALIVE) PLANT_NODE(6, ""));
+    struct plant *plant = watch_two(PLANT_NODE(5, GUARDED KEPT_ALIVE) PLANT_NODE(6, ""));
 
     plant_power_on(plant);
     plant_run_ms(plant, 1200);
@@ -62,7 +43,7 @@ END_TEST
 /* It runs and is left alone; then its power fails for a moment: the boot-up message tells. */
 START_TEST(test_guarded_node_is_seen_to_restart)
 {
-    struct plant *plant = make_plant(PLANT_NODE(5, GUARDED KEPT_ALIVE) PLANT_NODE(6, ""));
+    struct plant *plant = watch_two(PLANT_NODE(5, GUARDED KEPT_ALIVE) PLANT_NODE(6, ""));
 
     plant_add_object(plant->devices[5], 0x1F80, 0, 4, 0); /* starts by itself */
     plant_power_on(plant);
@@ -75,7 +56,7 @@ START_TEST(test_guarded_node_is_seen_to_restart)
     plant_run_ms(plant, 1000);
     watch_expect_up(plant, "is not up again");
     ck_assert_uint_eq(plant_said_times(plant, "node 5: boot-up message"), 1);
-    ck_assert_uint_eq(plant_sent(plant, "605#2"), ENTRIES);
+    ck_assert_uint_eq(plant_sent(plant, "605#2"), WATCH_ENTRIES);
     ck_assert(!plant_said(plant, "no answer to guarding"));
     plant_free(plant);
 }
@@ -96,7 +77,7 @@ static enum sim_fate restart_slowly(struct plant *plant, const struct co_frame *
 
 START_TEST(test_guarded_node_is_restored)
 {
-    struct plant *plant = make_plant(
+    struct plant *plant = watch_two(
         PLANT_NODE(5, GUARDED KEPT_ALIVE "<Restore_Configuration>1</Restore_Configuration>")
             PLANT_NODE(6, ""));
 
@@ -135,7 +116,7 @@ static enum sim_fate restart_at_write(struct plant *plant, const struct co_frame
 START_TEST(test_restart_in_mid_configuration)
 {
     unsigned left = (unsigned)_i + 1;
-    struct plant *plant = make_plant(PLANT_NODE(5, VENDOR) PLANT_NODE(6, ""));
+    struct plant *plant = watch_two(PLANT_NODE(5, VENDOR) PLANT_NODE(6, ""));
     char talk[PLANT_TALK_SIZE];
 
     plant->fault = restart_at_write;
@@ -159,7 +140,7 @@ START_TEST(test_reads_are_repeated)
 {
     static const char *const requests[] = { "605#40001000", "605#40181001", "605#40181004",
                                             "605#40201001", "605#40561F01" };
-    struct plant *plant = make_plant(
+    struct plant *plant = watch_two(
         PLANT_NODE(5, VENDOR "<Serial_Number>5</Serial_Number>"
                              "<NMT_Verify_Software>TRUE</NMT_Verify_Software>"
                              "<Software_Identification>7</Software_Identification>"
@@ -174,7 +155,7 @@ START_TEST(test_reads_are_repeated)
     watch_expect_up(plant, requests[_i]);
     ck_assert_uint_eq(plant_sent(plant, requests[_i]), 3);
     ck_assert(!plant_said(plant, "boot error"));
-    ck_assert_uint_eq(plant_sent(plant, "605#2"), ENTRIES); /* no write is repeated */
+    ck_assert_uint_eq(plant_sent(plant, "605#2"), WATCH_ENTRIES); /* no write is repeated */
     plant_free(plant);
 }
 END_TEST
@@ -182,7 +163,7 @@ END_TEST
 /* Three times, no more: then it has failed, and is asked again a second later. */
 START_TEST(test_reads_are_given_up)
 {
-    struct plant *plant = make_plant(PLANT_NODE(5, VENDOR) PLANT_NODE(6, ""));
+    struct plant *plant = watch_two(PLANT_NODE(5, VENDOR) PLANT_NODE(6, ""));
 
     plant_lie(plant, "605#40181001", NULL, 1000);
     plant_power_on(plant);
@@ -206,8 +187,8 @@ static enum sim_fate answer_late(struct plant *plant, const struct co_frame *fra
 
 START_TEST(test_time_out_of_each_node)
 {
-    struct plant *plant = make_plant(PLANT_NODE(5, "<SDO_Timeout>400</SDO_Timeout>")
-                                         PLANT_NODE(6, ""));
+    struct plant *plant = watch_two(PLANT_NODE(5, "<SDO_Timeout>400</SDO_Timeout>")
+                                        PLANT_NODE(6, ""));
 
     plant->fault = answer_late;
     plant_power_on(plant);
@@ -249,7 +230,7 @@ START_TEST(test_boot_time_covers_each_step)
              "<Boot_Time>1500</Boot_Time><Node_Instance><Node_Id>5</Node_Id>" MANDATORY
              "%s</Node_Instance>" PLANT_NODE(6, ""),
              hang->node);
-    plant = make_plant(xml);
+    plant = watch_two(xml);
     if (hang->request)
         plant_lie(plant, hang->request, hang->answer, 1000);
     plant_power_on(plant);
@@ -270,7 +251,7 @@ END_TEST
 
 START_TEST(test_record_of_refused_write)
 {
-    struct plant *plant = make_plant(PLANT_NODE(5, "") PLANT_NODE(6, ""));
+    struct plant *plant = watch_two(PLANT_NODE(5, "") PLANT_NODE(6, ""));
     const struct boot_failure *last = &plant_node(plant, 5)->history.last;
 
     plant_lie(plant, "605#2F006203", "585#8000620330000906", 1);
@@ -299,8 +280,8 @@ END_TEST
 /* A wrong device stands at a mandatory node; it is exchanged, and the network starts. */
 START_TEST(test_halt_is_lifted)
 {
-    struct plant *plant = make_plant(PLANT_NODE(5, MANDATORY "<Serial_Number>5</Serial_Number>")
-                                         PLANT_NODE(6, ""));
+    struct plant *plant = watch_two(PLANT_NODE(5, MANDATORY "<Serial_Number>5</Serial_Number>")
+                                        PLANT_NODE(6, ""));
 
     plant_lie(plant, "605#40181004", "585#431810044D000000", 1);
     plant_power_on(plant);
@@ -318,7 +299,7 @@ END_TEST
 /* The manager goes to pre-operational and back, and nobody is reset or configured for it. */
 START_TEST(test_manager_in_preoperational)
 {
-    struct plant *plant = make_plant(PLANT_NODE(5, MANDATORY) PLANT_NODE(6, ""));
+    struct plant *plant = watch_two(PLANT_NODE(5, MANDATORY) PLANT_NODE(6, ""));
 
     plant_power_on(plant);
     plant_run_ms(plant, 1000);
@@ -345,7 +326,7 @@ int main(void)
     tcase_add_test(tcase, test_guarded_node_is_seen_to_boot);
     tcase_add_test(tcase, test_guarded_node_is_seen_to_restart);
     tcase_add_test(tcase, test_guarded_node_is_restored);
-    tcase_add_loop_test(tcase, test_restart_in_mid_configuration, 0, (int)ENTRIES);
+    tcase_add_loop_test(tcase, test_restart_in_mid_configuration, 0, (int)WATCH_ENTRIES);
     tcase_add_loop_test(tcase, test_reads_are_repeated, 0, 5);
     tcase_add_test(tcase, test_reads_are_given_up);
     tcase_add_test(tcase, test_time_out_of_each_node);

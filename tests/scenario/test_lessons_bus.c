@@ -12,25 +12,6 @@
 #define MANDATORY "<NMT_Mandatory_Slave>TRUE</NMT_Mandatory_Slave>"
 #define VENDOR    "<Vendor_Identification>0x29A</Vendor_Identification>"
 
-#define ENTRIES 5u
-
-/* Nodes 5 and 6, each with entries to write; further nodes of the XML are absent. */
-static struct plant *make_plant(const char *xml)
-{
-    struct plant *plant = plant_new(xml, 1000000);
-
-    for (uint8_t node = 5; node <= 6; node++) {
-        struct plant_device *device = plant_add_device(plant, node);
-
-        for (uint8_t sub = 1; sub <= ENTRIES; sub++) {
-            plant_add_object(device, 0x6200, sub, 1, 0);
-            plant_configure(plant, node, 0x6200, sub, 1, 0x50u + sub);
-        }
-    }
-    watch_start(plant);
-    return plant;
-}
-
 static void beat(struct plant *plant, uint8_t node)
 {
     plant_configure(plant, node, 0x1017, 0, 2, 200);
@@ -64,7 +45,7 @@ static enum sim_fate hold_first_answer(struct plant *plant, const struct co_fram
 START_TEST(test_late_answer)
 {
     unsigned held = 0;
-    struct plant *plant = make_plant(
+    struct plant *plant = watch_two(
         PLANT_NODE(5, VENDOR "<Product_Code>1</Product_Code><Serial_Number>5</Serial_Number>")
             PLANT_NODE(6, ""));
 
@@ -97,9 +78,9 @@ START_TEST(test_last_segment_of_block_is_lost)
     const struct od_spec spec = {
         .index = 0x2010, .type = OD_VISIBLE_STRING, .access = OD_RW, .capacity = 40
     };
-    struct plant *plant = make_plant(PLANT_NODE(6, "")
-                                         PLANT_NODE(5, "<SDO_Block_Size>127</SDO_Block_Size>"
-                                                       "<SDO_Timeout>2500</SDO_Timeout>"));
+    struct plant *plant = watch_two(PLANT_NODE(6, "")
+                                        PLANT_NODE(5, "<SDO_Block_Size>127</SDO_Block_Size>"
+                                                      "<SDO_Timeout>2500</SDO_Timeout>"));
     struct od_entry *entry;
     bool lost = false;
 
@@ -126,7 +107,7 @@ END_TEST
 START_TEST(test_orders_wait_for_room)
 {
     static const enum nmt_command commands[] = { NMT_STOP, NMT_ENTER_PREOPERATIONAL, NMT_START };
-    struct plant *plant = make_plant(PLANT_NODE(5, "") PLANT_NODE(6, ""));
+    struct plant *plant = watch_two(PLANT_NODE(5, "") PLANT_NODE(6, ""));
     unsigned next = 0;
 
     plant->sim.box_size = 4;
@@ -150,7 +131,7 @@ END_TEST
 /* The computer stands still for ten seconds: one heartbeat follows, and one request to a node. */
 START_TEST(test_no_burst_after_a_stall)
 {
-    struct plant *plant = make_plant(
+    struct plant *plant = watch_two(
         "<Heartbeat_Producer_Time>100</Heartbeat_Producer_Time>" PLANT_NODE(5, GUARDED)
             PLANT_NODE(6, ""));
 
@@ -182,7 +163,7 @@ static enum sim_fate flood(struct plant *plant, const struct co_frame *frame, ui
 
 START_TEST(test_flood_of_emergencies)
 {
-    struct plant *plant = make_plant(PLANT_NODE(5, "") PLANT_NODE(6, VENDOR));
+    struct plant *plant = watch_two(PLANT_NODE(5, "") PLANT_NODE(6, VENDOR));
 
     plant_power_on(plant);
     plant_run_ms(plant, 1000);
@@ -222,7 +203,7 @@ START_TEST(test_no_broadcast)
 
     snprintf(xml, sizeof xml, "<NMT_Start_All>TRUE</NMT_Start_All>" PLANT_NODE(5, MANDATORY) "%s",
              row->xml);
-    plant = make_plant(xml);
+    plant = watch_two(xml);
     if (row->request)
         plant_lie(plant, row->request, row->answer, 1000);
     plant_power_on(plant);
@@ -241,7 +222,7 @@ END_TEST
 /* Its cable is out when it is reset. It comes back as it went: the reset is sent again. */
 START_TEST(test_reset_is_repeated)
 {
-    struct plant *plant = make_plant(PLANT_NODE(5, HEARTBEAT MANDATORY) PLANT_NODE(6, ""));
+    struct plant *plant = watch_two(PLANT_NODE(5, HEARTBEAT MANDATORY) PLANT_NODE(6, ""));
 
     beat(plant, 5);
     plant_power_on(plant);
@@ -277,7 +258,7 @@ static enum sim_fate lose_boot_up(struct plant *plant, const struct co_frame *fr
 START_TEST(test_back_without_boot_up)
 {
     unsigned left = 0;
-    struct plant *plant = make_plant(PLANT_NODE(5, HEARTBEAT MANDATORY) PLANT_NODE(6, ""));
+    struct plant *plant = watch_two(PLANT_NODE(5, HEARTBEAT MANDATORY) PLANT_NODE(6, ""));
 
     beat(plant, 5);
     plant->fault = lose_boot_up;
@@ -306,7 +287,7 @@ static enum sim_fate start_slowly(struct plant *plant, const struct co_frame *fr
 
 START_TEST(test_slow_start_without_boot_up)
 {
-    struct plant *plant = make_plant(PLANT_NODE(5, MANDATORY) PLANT_NODE(6, ""));
+    struct plant *plant = watch_two(PLANT_NODE(5, MANDATORY) PLANT_NODE(6, ""));
 
     plant->fault = start_slowly;
     plant_power_on(plant);
@@ -320,8 +301,8 @@ END_TEST
 /* After the reset of one node its boot delay is waited for, as after that of all. */
 START_TEST(test_boot_delay_after_a_reset)
 {
-    struct plant *plant = make_plant(PLANT_NODE(5, "<Boot_Delay>700</Boot_Delay>")
-                                         PLANT_NODE(6, ""));
+    struct plant *plant = watch_two(PLANT_NODE(5, "<Boot_Delay>700</Boot_Delay>")
+                                        PLANT_NODE(6, ""));
 
     plant_power_on(plant);
     plant_run_ms(plant, 1000);
@@ -352,8 +333,8 @@ static enum sim_fate write_slowly(struct plant *plant, const struct co_frame *fr
 
 START_TEST(test_old_heartbeat)
 {
-    struct plant *plant = make_plant(PLANT_NODE(5, HEARTBEAT "<SDO_Timeout>1000</SDO_Timeout>")
-                                         PLANT_NODE(6, ""));
+    struct plant *plant = watch_two(PLANT_NODE(5, HEARTBEAT "<SDO_Timeout>1000</SDO_Timeout>")
+                                        PLANT_NODE(6, ""));
 
     plant->fault = write_slowly;
     plant_power_on(plant);

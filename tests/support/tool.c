@@ -1,5 +1,7 @@
 #include "support/tool.h"
 
+#include "support/watch.h"
+
 #include "base/bytes.h"
 #include "proto/event.h"
 
@@ -125,4 +127,42 @@ void tool_expect_state(const struct plant *plant, uint8_t node, int state)
 void tool_expect_value(const struct plant *plant, uint8_t node, uint16_t index, uint64_t value)
 {
     ck_assert_uint_eq(od_number(&plant->devices[node]->od, index, 1, 0xDEAD), value);
+}
+
+/* --- a plant for it --- */
+
+const uint8_t tool_concise[12] = { 1, 0, 0, 0, 0x00, 0x62, 1, 1, 0, 0, 0, 0x55 };
+const uint8_t tool_concise_more[20] = { 2, 0,    0, 0,    0x00, 0x62, 1, 1, 0, 0,
+                                        0, 0x66, 1, 0x62, 1,    1,    0, 0, 0, 0x77 };
+
+struct plant *tool_plant(const char *xml)
+{
+    struct plant *plant = plant_new(xml, 1000000);
+
+    for (uint8_t node = 5; node <= 7; node++) {
+        struct plant_device *device = plant_add_device(plant, node);
+
+        plant_add_object(device, 0x6200, 1, 1, 0);
+        plant_add_object(device, 0x6201, 1, 1, 0);
+    }
+    watch_start(plant);
+    tool_attach(plant);
+    plant_power_on(plant);
+    return plant;
+}
+
+struct plant *tool_plant_run(const char *xml)
+{
+    struct plant *plant = tool_plant(xml);
+
+    plant_run_ms(plant, 1000);
+    return plant;
+}
+
+uint32_t tool_put_concise(struct plant *plant, uint8_t node, const uint8_t *bytes, uint32_t size)
+{
+    const uint32_t code = tool_write(plant, 0x1F22, node, bytes, size);
+
+    plant_run_ms(plant, 2); /* what follows from it is behind the answer */
+    return code;
 }

@@ -30,4 +30,14 @@ void tool_boot_all(struct plant *plant);
 void tool_expect_state(const struct plant *plant, uint8_t node, int state);
 void tool_expect_value(const struct plant *plant, uint8_t node, uint16_t index, uint64_t value);
 
+/* Nodes 5 to 7, each with UNSIGNED8 6200h:01 and 6201h:01, watched, on the bus;
+ * and a second later. */
+struct plant *tool_plant(const char *xml);
+struct plant *tool_plant_run(const char *xml);
+
+/* Concise DCFs for them: 6200h:01 = 55h; and = 66h with 6201h:01 behind it. */
+extern const uint8_t tool_concise[12], tool_concise_more[20];
+/* To 1F22h, and a moment for what follows from it. */
+uint32_t tool_put_concise(struct plant *plant, uint8_t node, const uint8_t *bytes, uint32_t size);
+
 #endif

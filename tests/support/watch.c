@@ -234,3 +234,19 @@ void watch_expect_up(const struct plant *plant, const char *what)
     }
     expect(plant, plant->manager->state == NETWORK_OPERATIONAL, 0, what, "operational");
 }
+
+struct plant *watch_two(const char *xml)
+{
+    struct plant *plant = plant_new(xml, 1000000);
+
+    for (uint8_t node = 5; node <= 6; node++) {
+        struct plant_device *device = plant_add_device(plant, node);
+
+        for (uint8_t sub = 1; sub <= WATCH_ENTRIES; sub++) {
+            plant_add_object(device, 0x6200, sub, 1, 0);
+            plant_configure(plant, node, 0x6200, sub, 1, 0x50u + sub);
+        }
+    }
+    watch_start(plant);
+    return plant;
+}

@@ -10,16 +10,20 @@
 struct log {
     unsigned count;
     enum co_severity severity;
+    const struct co_rule *rule;
     char text[CO_REPORT_TEXT_SIZE];
+    char body[CO_REPORT_TEXT_SIZE];
 };
 
-static void sink(void *context, enum co_severity severity, const char *text)
+static void sink(void *context, const struct co_message *message)
 {
     struct log *self = context;
 
     self->count++;
-    self->severity = severity;
-    snprintf(self->text, sizeof self->text, "%s", text);
+    self->severity = message->severity;
+    self->rule = message->rule;
+    snprintf(self->text, sizeof self->text, "%s", message->text);
+    snprintf(self->body, sizeof self->body, "%s", message->body);
 }
 
 START_TEST(test_places)
@@ -39,6 +43,29 @@ START_TEST(test_places)
     ck_assert_uint_eq(log.count, 3);
     ck_assert_uint_eq(report.errors, 1);
     ck_assert_uint_eq(report.warnings, 1);
+}
+END_TEST
+
+START_TEST(test_rules)
+{
+    static const struct co_rule error = { "node-id", CO_ERROR, 7, "clause", "text" };
+    static const struct co_rule warning = { "name", CO_WARNING, 8, "clause", "text" };
+    struct log log = { .count = 0 };
+    struct co_report report = { .file = "a", .sink = sink, .context = &log };
+
+    co_report_rule(&report, &warning, 1, "a name of %d", 3);
+    ck_assert_str_eq(log.text, "a:1: warning: a name of 3");
+    ck_assert_str_eq(log.body, "a name of 3");
+    ck_assert_ptr_eq(log.rule, &warning);
+    ck_assert_int_eq(report.error_kind, 0);
+    co_report_rule(&report, &error, 2, "there is %u", 128);
+    ck_assert_str_eq(log.text, "a:2: error: there is 128");
+    ck_assert_ptr_eq(log.rule, &error);
+    ck_assert_int_eq(report.error_kind, 7);
+    co_report_add(&report, CO_WARNING, 3, "no rule");
+    ck_assert_ptr_null(log.rule);
+    ck_assert_uint_eq(report.errors, 1);
+    ck_assert_uint_eq(report.warnings, 2);
 }
 END_TEST
 
@@ -104,6 +131,7 @@ int main(void)
     int failed;
 
     tcase_add_test(tcase, test_places);
+    tcase_add_test(tcase, test_rules);
     tcase_add_test(tcase, test_first_error_is_kept);
     tcase_add_test(tcase, test_long_messages_are_cut);
     tcase_add_test(tcase, test_error_texts);

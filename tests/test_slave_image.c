@@ -256,11 +256,10 @@ END_TEST
 
 static char told[2000];
 
-static void on_report(void *context, enum co_severity severity, const char *text)
+static void on_report(void *context, const struct co_message *message)
 {
     (void)context;
-    (void)severity;
-    strcat(strcat(told, text), "\n");
+    strcat(strcat(told, message->text), "\n");
 }
 
 static void recall(const char *hex)

@@ -102,11 +102,13 @@ char *file_folder(const char *name)
     return slash ? strndup(name, (size_t)(slash - name) + 1) : strdup("");
 }
 
-void file_report_line(void *context, enum co_severity severity, const char *text)
+void file_report_line(void *context, const struct co_message *message)
 {
     (void)context;
-    (void)severity;
-    fprintf(stderr, "%s\n", text);
+    if (message->rule)
+        fprintf(stderr, "%s [%s]\n", message->text, message->rule->name);
+    else
+        fprintf(stderr, "%s\n", message->text);
 }
 
 void file_tell(const char *tool, const char *name, enum co_err err)

@@ -16,8 +16,8 @@ enum co_err file_write(const char *name, const uint8_t *bytes, size_t size);
 /* The folder of a file with its "/", or "" ; freed by free(), NULL: no memory. */
 char *file_folder(const char *name);
 
-/* For co_report: lines to stderr. */
-void file_report_line(void *context, enum co_severity severity, const char *text);
+/* For co_report: lines to stderr, with the names of rules behind them. */
+void file_report_line(void *context, const struct co_message *message);
 
 /* "tool: name: text of err" to stderr, where err is CO_ERR_IO with that of errno. */
 void file_tell(const char *tool, const char *name, enum co_err err);

@@ -82,12 +82,15 @@ struct sim {
     bool gate_open;
 };
 
-static void print_message(void *context, enum co_severity severity, const char *text)
+static void print_line(const struct sim *self, enum co_severity severity, const char *text)
 {
-    const struct sim *self = context;
-
     if (severity == CO_ERROR || !self->quiet)
         fprintf(stderr, "%s\n", text);
+}
+
+static void print_message(void *context, const struct co_message *message)
+{
+    print_line(context, message->severity, message->text);
 }
 
 /* What the library says. */
@@ -97,7 +100,7 @@ static void on_log(void *context, int level, const char *text)
 
     if (self->opening)
         fputs("mcanopen sim: ", stderr);
-    print_message(context, level == MCANOPEN_LOG_ERROR ? CO_ERROR : CO_WARNING, text);
+    print_line(self, level == MCANOPEN_LOG_ERROR ? CO_ERROR : CO_WARNING, text);
 }
 
 /* --- devices --- */

@@ -108,8 +108,8 @@ void log_release(void)
     free(messages);
 }
 
-void log_sink(void *context, enum co_severity severity, const char *text)
+void log_sink(void *context, const struct co_message *message)
 {
     (void)context;
-    log_put(severity, text);
+    log_put(message->severity, message->text);
 }

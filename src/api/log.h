@@ -11,7 +11,7 @@
 
 void log_put(enum co_severity severity, const char *text);
 /* A sink for struct co_report; the context is not used. */
-void log_sink(void *context, enum co_severity severity, const char *text);
+void log_sink(void *context, const struct co_message *message);
 /*
  * Between the two what this thread puts is kept, and told by log_release(): the first one comes
  * behind taking a lock, the second one behind giving it.

@@ -25,24 +25,49 @@ static int format_place(const struct co_report *self, enum co_severity severity,
     return snprintf(text, size, "%s:%u: %s: ", self->file, line, kind);
 }
 
-void co_report_add(struct co_report *self, enum co_severity severity, unsigned line,
-                   const char *format, ...)
+static void tell(struct co_report *self, struct co_message message, const char *format,
+                 va_list args) __attribute__((format(printf, 3, 0)));
+
+static void tell(struct co_report *self, struct co_message message, const char *format,
+                 va_list args)
 {
     char text[CO_REPORT_TEXT_SIZE];
-    int place = format_place(self, severity, line, text, sizeof text);
-    va_list args;
+    int place = format_place(self, message.severity, message.line, text, sizeof text);
 
     if (place < 0 || (size_t)place >= sizeof text)
         place = 0;
-    va_start(args, format);
     vsnprintf(text + place, sizeof text - (size_t)place, format, args);
-    va_end(args);
-    if (severity == CO_ERROR && self->errors++ == 0)
+    message.text = text;
+    message.body = text + place;
+    if (message.severity == CO_ERROR && self->errors++ == 0)
         snprintf(self->first_error, sizeof self->first_error, "%s", text);
-    if (severity == CO_WARNING)
+    if (message.severity == CO_WARNING)
         self->warnings++;
     if (self->sink)
-        self->sink(self->context, severity, text);
+        self->sink(self->context, &message);
+}
+
+void co_report_add(struct co_report *self, enum co_severity severity, unsigned line,
+                   const char *format, ...)
+{
+    va_list args;
+
+    va_start(args, format);
+    tell(self, (struct co_message){ .severity = severity, .line = line }, format, args);
+    va_end(args);
+}
+
+void co_report_rule(struct co_report *self, const struct co_rule *rule, unsigned line,
+                    const char *format, ...)
+{
+    va_list args;
+
+    va_start(args, format);
+    tell(self, (struct co_message){ .severity = rule->severity, .line = line, .rule = rule },
+         format, args);
+    va_end(args);
+    if (rule->severity == CO_ERROR)
+        co_report_kind(self, rule->kind);
 }
 
 void co_report_kind(struct co_report *self, int kind)

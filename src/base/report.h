@@ -14,11 +14,28 @@ enum co_severity { CO_ERROR, CO_WARNING, CO_INFO };
 
 #define CO_REPORT_TEXT_SIZE 512u
 
+/* What a file has to keep to, with a name by which users speak of it. */
+struct co_rule {
+    const char *name; /* "sub-count" */
+    enum co_severity severity;
+    int kind;           /* as of co_report_kind(); 0: none */
+    const char *clause; /* where it is written: "CiA 306-1, object sections" */
+    const char *text;   /* a sentence for the manual page */
+};
+
+struct co_message {
+    enum co_severity severity;
+    unsigned line;              /* 0: the whole file */
+    const struct co_rule *rule; /* NULL: none */
+    const char *text;           /* "network.xml:14: error: what is wrong" */
+    const char *body;           /* "what is wrong" */
+};
+
 struct co_report {
     const char *file; /* as shown; NULL: no place */
 
     /* NULL: only count */
-    void (*sink)(void *context, enum co_severity severity, const char *text);
+    void (*sink)(void *context, const struct co_message *message);
     void *context;
 
     unsigned errors;
@@ -30,6 +47,10 @@ struct co_report {
 /* line 0: the message is about the whole file */
 void co_report_add(struct co_report *self, enum co_severity severity, unsigned line,
                    const char *format, ...) __attribute__((format(printf, 4, 5)));
+
+/* The same for a rule that is broken: its severity and its kind. */
+void co_report_rule(struct co_report *self, const struct co_rule *rule, unsigned line,
+                    const char *format, ...) __attribute__((format(printf, 4, 5)));
 
 /* Classifies the error reported last, where it was the first: a value of the caller's own. */
 void co_report_kind(struct co_report *self, int kind);

@@ -1,6 +1,6 @@
 #include "dcf/dcf_lexer.h"
 
-#include "dcf/dcf.h"
+#include "dcf/dcf_rules.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -27,13 +27,14 @@ static void note(struct lexer *self, struct oddity *oddity)
         oddity->line = self->line;
 }
 
-static void tell(const struct lexer *self, const struct oddity *oddity, const char *what)
+static void tell(const struct lexer *self, const struct oddity *oddity, enum dcf_rule rule,
+                 const char *what)
 {
     if (oddity->count > 1)
-        co_report_add(self->report, CO_WARNING, oddity->line, "%s (and in %u more lines)", what,
-                      oddity->count - 1);
+        dcf_tell(self->report, rule, oddity->line, "%s (and in %u more lines)", what,
+                 oddity->count - 1);
     else if (oddity->count == 1)
-        co_report_add(self->report, CO_WARNING, oddity->line, "%s", what);
+        dcf_tell(self->report, rule, oddity->line, "%s", what);
 }
 
 static enum co_err grow(void **items, size_t *room, size_t size)
@@ -89,15 +90,15 @@ static enum co_err read_section(struct lexer *self, struct dcf_slice line)
     const char *end = memchr(name.text, ']', name.size);
 
     if (!end) {
-        co_report_add(self->report, CO_WARNING, self->line,
-                      "section \"%s\": \"]\" expected at its end, the line ends without one",
-                      dcf_show(name).text);
+        dcf_tell(self->report, DCF_RULE_SECTION_BRACKETS, self->line,
+                 "section \"%s\": \"]\" expected at its end, the line ends without one",
+                 dcf_show(name).text);
         return add_section(self, dcf_slice_trim(name));
     }
     if (end + 1 < line.text + line.size)
-        co_report_add(self->report, CO_WARNING, self->line,
-                      "nothing expected behind \"]\", there is \"%s\": ignored",
-                      dcf_show(dcf_slice_skip(line, (size_t)(end + 1 - line.text))).text);
+        dcf_tell(self->report, DCF_RULE_SECTION_BRACKETS, self->line,
+                 "nothing expected behind \"]\", there is \"%s\": ignored",
+                 dcf_show(dcf_slice_skip(line, (size_t)(end + 1 - line.text))).text);
     return add_section(self, dcf_slice_trim(dcf_slice_cut(name, (size_t)(end - name.text))));
 }
 
@@ -161,8 +162,8 @@ static struct dcf_slice take_line(struct lexer *self)
 static void skip_marks(struct lexer *self)
 {
     if (dcf_slice_begins(self->rest, "\xEF\xBB\xBF")) {
-        co_report_add(self->report, CO_WARNING, 1,
-                      "plain text expected, the file begins with a byte order mark: ignored");
+        dcf_tell(self->report, DCF_RULE_BYTE_ORDER_MARK, 1,
+                 "plain text expected, the file begins with a byte order mark: ignored");
         self->rest = dcf_slice_skip(self->rest, 3);
     }
     while (self->rest.size > 0 && self->rest.text[self->rest.size - 1] == DOS_END)
@@ -171,18 +172,23 @@ static void skip_marks(struct lexer *self)
 
 static void tell_all(const struct lexer *self)
 {
-    tell(self, &self->too_long, "lines of at most 255 characters expected, this one is longer");
-    tell(self, &self->not_ascii, "ASCII characters expected, there are others");
-    tell(self, &self->control, "text expected, there are control characters");
-    tell(self, &self->hash, "comments are expected to begin with \";\", this one does with \"#\"");
-    tell(self, &self->not_a_key, "\"[section]\", \"key=value\" or \"; comment\" expected: ignored");
-    tell(self, &self->no_section, "a section expected before the first key: ignored");
+    tell(self, &self->too_long, DCF_RULE_LINE_LENGTH,
+         "lines of at most 255 characters expected, this one is longer");
+    tell(self, &self->not_ascii, DCF_RULE_CHARACTERS,
+         "ASCII characters expected, there are others");
+    tell(self, &self->control, DCF_RULE_CONTROL_CHARACTERS,
+         "text expected, there are control characters");
+    tell(self, &self->hash, DCF_RULE_COMMENT,
+         "comments are expected to begin with \";\", this one does with \"#\"");
+    tell(self, &self->not_a_key, DCF_RULE_LINE,
+         "\"[section]\", \"key=value\" or \"; comment\" expected: ignored");
+    tell(self, &self->no_section, DCF_RULE_NO_SECTION,
+         "a section expected before the first key: ignored");
 }
 
 static enum co_err no_text(struct co_report *report, const char *what)
 {
-    co_report_add(report, CO_ERROR, 0, "EDS or DCF text expected, %s", what);
-    co_report_kind(report, DCF_ERROR_MISSING_SECTION);
+    dcf_tell(report, DCF_RULE_NO_TEXT, 0, "EDS or DCF text expected, %s", what);
     return CO_ERR_FORMAT;
 }
 

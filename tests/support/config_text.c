@@ -4,14 +4,13 @@
 #include <stdio.h>
 #include <string.h>
 
-static void collect(void *context, enum co_severity severity, const char *text)
+static void collect(void *context, const struct co_message *message)
 {
     struct config_result *result = context;
     size_t used = strlen(result->messages);
 
-    (void)severity;
-    ck_assert_int_eq(strncmp(text, "n.xml:", 6), 0);
-    snprintf(result->messages + used, sizeof result->messages - used, "%s\n", text + 6);
+    ck_assert_int_eq(strncmp(message->text, "n.xml:", 6), 0);
+    snprintf(result->messages + used, sizeof result->messages - used, "%s\n", message->text + 6);
 }
 
 struct config_result *config_parse_bytes(const char *text, size_t size)

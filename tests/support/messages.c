@@ -5,13 +5,13 @@
 
 #define FILE_NAME "f"
 
-static void collect(void *context, enum co_severity severity, const char *text)
+static void collect(void *context, const struct co_message *message)
 {
     struct messages *self = context;
     size_t used = strlen(self->text);
 
-    (void)severity;
-    snprintf(self->text + used, sizeof self->text - used, "%s\n", text + strlen(FILE_NAME ":"));
+    snprintf(self->text + used, sizeof self->text - used, "%s\n",
+             message->text + strlen(FILE_NAME ":"));
 }
 
 void messages_init(struct messages *self)

@@ -16,12 +16,11 @@ struct messages {
     FILE *stream;
 };
 
-static void keep_message(void *context, enum co_severity severity, const char *text)
+static void keep_message(void *context, const struct co_message *message)
 {
     const struct messages *self = context;
 
-    (void)severity;
-    fprintf(self->stream, "%s\n", text);
+    fprintf(self->stream, "%s\n", message->text);
 }
 
 /* A file with errors is a finding of the family "eds"; the run goes on as if there were none. */

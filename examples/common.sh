@@ -14,7 +14,7 @@ export MCANOPEN_NET_0="$bus"
 install_packages()
 {
     missing=
-    for package in gcc cmake ninja-build pkg-config libxml2-dev libc6-dev; do
+    for package in gcc cmake ninja-build pkg-config libxml2-dev libjansson-dev libc6-dev; do
         dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'ok installed' ||
             missing="$missing $package"
     done

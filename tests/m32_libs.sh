@@ -3,15 +3,18 @@
 #
 # apt works here with an i386 state of its own below DIR: the machine gets no foreign architecture,
 # whose packages would have to match the version of each installed one. The headers are those of
-# the installed libxml2-dev and check; they are the same for all architectures.
+# the installed libxml2-dev, libjansson-dev and check; they are the same for all architectures.
 set -eu
 
-packages="libxml2 libicu72 liblzma5 zlib1g libstdc++6 libgcc-s1 check libsubunit-dev"
+packages="libxml2 libicu72 liblzma5 zlib1g libstdc++6 libgcc-s1 check libsubunit-dev
+    libjansson4 libjansson-dev"
 dir=$1
 
-if [ -e "$dir/complete" ]; then
+# What was made for another list is made anew.
+if [ "$(cat "$dir/complete" 2>/dev/null)" = "$packages" ]; then
     exit 0
 fi
+rm -rf "$dir"
 
 # The first configured source of the release's main component: "deb [...] URI SUITE main".
 debian_source()
@@ -52,6 +55,8 @@ unpack()
     rm "$dir/lib/libsubunit.so"
     sed -e "s|^libdir=.*|libdir=$dir/lib|" -e /^Requires:/d -e 's/^Libs:.*/& -lsubunit/' \
         "$dir/root/usr/lib/i386-linux-gnu/pkgconfig/check.pc" >"$dir/lib/check.pc"
+    sed "s|^libdir=.*|libdir=$dir/lib|" \
+        "$dir/root/usr/lib/i386-linux-gnu/pkgconfig/jansson.pc" >"$dir/lib/jansson.pc"
 }
 
 mkdir -p "$dir"
@@ -64,4 +69,4 @@ apt-get update -qq
 (cd "$dir/debs" && apt-get download -qq $packages)
 unpack
 rm -rf "$dir/apt" "$dir/debs" "$dir/root"
-: >"$dir/complete"
+echo "$packages" >"$dir/complete"

@@ -20,8 +20,8 @@ sums=$logs/sums
 jobs=$(nproc)
 fuzz_seconds=${MCANOPEN_FUZZ_SECONDS:-10}
 
-packages="gcc libc6-dev binutils cmake ninja-build pkg-config libxml2-dev check python3
-    python3-venv can-utils iproute2 user-mode-linux kmod"
+packages="gcc libc6-dev binutils cmake ninja-build pkg-config libxml2-dev libjansson-dev check
+    python3 python3-venv can-utils iproute2 user-mode-linux kmod"
 packages_all="g++ clang clang-format clang-tidy libclang-rt-14-dev valgrind gcc-multilib"
 # For pip; where certificates are already there, they may not be Debian's.
 [ -e /etc/ssl/certs/ca-certificates.crt ] || packages="$packages ca-certificates"

@@ -2,6 +2,7 @@
 #include "api/file.h"
 #include "base/bytes.h"
 #include "common_file.h"
+#include "common_tool.h"
 #include "dcf/ccf.h"
 
 #include <getopt.h>
@@ -120,10 +121,7 @@ int main(int argc, char **argv)
         switch (option) {
         case OPTION_JSON: json = true; break;
         case 'h': return fputs(help, stdout) < 0 ? EXIT_TROUBLE : 0;
-        case OPTION_VERSION:
-            printf("ccfread %d.%d.%d\n", MCANOPEN_VERSION_MAJOR, MCANOPEN_VERSION_MINOR,
-                   MCANOPEN_VERSION_PATCH);
-            return 0;
+        case OPTION_VERSION: return tool_print_version("ccfread") ? 0 : EXIT_TROUBLE;
         default: fputs("Try 'ccfread --help'.\n", stderr); return EXIT_TROUBLE;
         }
     }

@@ -1,6 +1,7 @@
 /* dcf2ccf: a device configuration file (DCF) as the concise DCF that configures the device. */
 #include "api/file.h"
 #include "common_file.h"
+#include "common_tool.h"
 #include "dcf/dcf.h"
 
 #include <errno.h>
@@ -10,12 +11,11 @@
 #include <string.h>
 
 #define EXIT_TROUBLE 2
-#define NODE_ID_MAX  127
 
 struct arguments {
     const char *input;
     const char *output; /* NULL: the input's name with .ccf */
-    long node_id;       /* 0: that of the file */
+    uint8_t node_id;    /* 0: that of the file */
     bool old_style;
 };
 
@@ -50,17 +50,6 @@ static int usage_error(const char *what)
     return EXIT_TROUBLE;
 }
 
-static bool parse_node_id(const char *text, long *ret_node_id)
-{
-    char *end;
-    long number = strtol(text, &end, 0);
-
-    if (end == text || *end != '\0' || number < 1 || number > NODE_ID_MAX)
-        return false;
-    *ret_node_id = number;
-    return true;
-}
-
 /* -1: go on; else the exit code */
 static int parse_options(int argc, char **argv, struct arguments *arguments)
 {
@@ -69,16 +58,13 @@ static int parse_options(int argc, char **argv, struct arguments *arguments)
     while ((option = getopt_long(argc, argv, "n:o:h", options, NULL)) != -1) {
         switch (option) {
         case 'n':
-            if (!parse_node_id(optarg, &arguments->node_id))
+            if (!tool_node_id(optarg, &arguments->node_id))
                 return usage_error("-n: a node-ID of 1..127 expected");
             break;
         case 'o': arguments->output = optarg; break;
         case OPTION_OLD_STYLE: arguments->old_style = true; break;
         case 'h': return fputs(help, stdout) < 0 ? EXIT_TROUBLE : 0;
-        case OPTION_VERSION:
-            printf("dcf2ccf %d.%d.%d\n", MCANOPEN_VERSION_MAJOR, MCANOPEN_VERSION_MINOR,
-                   MCANOPEN_VERSION_PATCH);
-            return 0;
+        case OPTION_VERSION: return tool_print_version("dcf2ccf") ? 0 : EXIT_TROUBLE;
         default: return usage_error("unknown option, or one without its value");
         }
     }
@@ -124,7 +110,7 @@ static enum co_err read_beside(void *context, const char *name, uint8_t **ret_by
 static enum co_err make_ccf(const struct arguments *arguments, const struct dcf *dcf,
                             struct co_report *report, struct ccf *ret_ccf)
 {
-    struct dcf_ccf_options ccf_options = { .node_id = (uint8_t)arguments->node_id,
+    struct dcf_ccf_options ccf_options = { .node_id = arguments->node_id,
                                            .old_style = arguments->old_style,
                                            .read_file = read_beside };
     char *folder = file_folder(arguments->input);

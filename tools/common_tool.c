@@ -1,0 +1,52 @@
+#include "common_tool.h"
+
+#include "api/error_map.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#define NODE_ID_MAX 127
+
+bool tool_print_version(const char *tool)
+{
+    return printf("%s %d.%d.%d\n", tool, MCANOPEN_VERSION_MAJOR, MCANOPEN_VERSION_MINOR,
+                  MCANOPEN_VERSION_PATCH) >= 0;
+}
+
+bool tool_node_id(const char *text, uint8_t *ret_node_id)
+{
+    char *end;
+    long number = strtol(text, &end, 0);
+
+    if (end == text || *end != '\0' || number < 1 || number > NODE_ID_MAX)
+        return false;
+    *ret_node_id = (uint8_t)number;
+    return true;
+}
+
+#define CODE(code)                                                                                 \
+    {                                                                                              \
+        code, #code                                                                                \
+    }
+
+static const struct {
+    int code;
+    const char *text;
+} codes[] = {
+    CODE(CANOPEN_DCF_OUT_OF_MEMORY),   CODE(CANOPEN_DCF_MISSING_SECTION),
+    CODE(CANOPEN_DCF_MISSING_ENTRY),   CODE(CANOPEN_DCF_WRONG_PARAMETER),
+    CODE(CANOPEN_DCF_OUT_OF_RANGE),    CODE(CANOPEN_DCF_OUT_OF_LIMITS),
+    CODE(CANOPEN_DCF_DOUBLE_SECTION),  CODE(CANOPEN_DCF_DOUBLE_KEYWORD),
+    CODE(CANOPEN_DCF_UNKNOWN_KEYWORD), CODE(CANOPEN_DCF_WRONG_NODE_ID),
+    CODE(CANOPEN_DCF_WRONG_BAUDRATE),  CODE(CANOPEN_DCF_WRONG_MODULE_NO),
+};
+
+const char *tool_dcf_code(int kind)
+{
+    const int code = kind ? error_of_dcf((enum dcf_error)kind) : 0;
+
+    for (size_t i = 0; i < sizeof codes / sizeof codes[0]; i++)
+        if (codes[i].code == code)
+            return codes[i].text;
+    return NULL;
+}

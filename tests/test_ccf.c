@@ -209,6 +209,47 @@ START_TEST(test_every_truncation)
 }
 END_TEST
 
+/* What stands before the damage is read all the same, and the position tells where that is. */
+static const struct {
+    const char *hex;
+    unsigned entries, position;
+    bool broken;
+} damaged[] = {
+    { EXAMPLE, 2, EXAMPLE_SIZE, false },
+    { "00000000", 0, 4, false },
+    { "-", 0, 0, true },
+    { "0000", 0, 0, true },
+    { "0200000017100002000000E803", 1, 13, true },
+    { "0200000017100002000000E80316100104000000D0077F", 1, 13, true },
+    { "0200000017100002000000E80316100104000000D0077F00AA", 2, 24, true },
+    { "FFFFFFFF17100002000000E80316100104000000D0077F00", 2, 24, true },
+    { "0200000017100002000000E803161001FFFFFFFFD0077F00", 1, 13, true },
+    { "0100000017100002000000E80316100104000000D0077F00", 1, 13, true },
+};
+
+START_TEST(test_read_damaged)
+{
+    uint8_t bytes[64];
+    size_t size = hex_parse(damaged[_i].hex, bytes, sizeof bytes);
+    struct ccf_reader reader;
+    struct ccf_entry entry;
+    struct guard guard;
+    unsigned entries = 0;
+
+    messages_init(&messages);
+    guard_init(&guard, bytes, size);
+    ccf_reader_init_bytes(&reader, (const uint8_t *)guard.bytes, size, &messages.report);
+    while (ccf_read_checked(&reader, &messages.report, &entry))
+        entries++;
+    ck_assert_uint_eq(entries, damaged[_i].entries);
+    ck_assert_uint_eq(reader.position, damaged[_i].position);
+    ck_assert_int_eq(reader.broken, damaged[_i].broken);
+    ck_assert(!ccf_read_checked(&reader, &messages.report, &entry)); /* told once */
+    ck_assert_uint_eq(messages.report.errors, damaged[_i].broken ? 1 : 0);
+    guard_done(&guard);
+}
+END_TEST
+
 static Suite *ccf_suite(void)
 {
     Suite *suite = suite_create("ccf");
@@ -222,6 +263,7 @@ static Suite *ccf_suite(void)
     tcase_add_test(tests, test_read);
     tcase_add_loop_test(tests, test_parse, 0, sizeof files / sizeof files[0]);
     tcase_add_test(tests, test_every_truncation);
+    tcase_add_loop_test(tests, test_read_damaged, 0, sizeof damaged / sizeof damaged[0]);
     suite_add_tcase(suite, tests);
     return suite;
 }

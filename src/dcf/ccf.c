@@ -99,69 +99,113 @@ unsigned ccf_line(const struct ccf *self, uint32_t number)
     return number >= 1 && number <= self->line_count ? self->lines[number - 1] : 0;
 }
 
-/* Steps over one entry; what is wrong with it goes to the report. */
-static enum co_err skip_entry(const uint8_t *bytes, size_t size, uint32_t number,
-                              struct co_report *report, size_t *position)
+void ccf_reader_init(struct ccf_reader *self, const struct ccf *ccf)
 {
-    size_t left = size - *position;
-    uint32_t value_size;
+    *self = (struct ccf_reader){
+        .bytes = ccf->bytes, .size = ccf->size, .position = COUNT_SIZE, .left = ccf_count(ccf)
+    };
+}
+
+static void step(struct ccf_reader *self, struct ccf_entry *ret_entry)
+{
+    const uint8_t *entry = self->bytes + self->position;
+
+    *ret_entry = (struct ccf_entry){ .index = get_le16(entry),
+                                     .sub = entry[2],
+                                     .size = get_le32(entry + 3),
+                                     .value = entry + HEADER_SIZE };
+    self->position += HEADER_SIZE + (size_t)ret_entry->size;
+    self->left--;
+}
+
+bool ccf_read(struct ccf_reader *self, struct ccf_entry *ret_entry)
+{
+    if (self->left == 0)
+        return false;
+    step(self, ret_entry);
+    return true;
+}
+
+void ccf_reader_init_bytes(struct ccf_reader *self, const uint8_t *bytes, size_t size,
+                           struct co_report *report)
+{
+    *self = (struct ccf_reader){ .bytes = bytes, .size = size };
+    if (size >= COUNT_SIZE) {
+        self->left = get_le32(bytes);
+        self->position = COUNT_SIZE;
+        return;
+    }
+    co_report_add(report, CO_ERROR, 0,
+                  "a concise DCF begins with a count of %u bytes, the file has %zu", COUNT_SIZE,
+                  size);
+    co_report_kind(report, CCF_TRUNCATED);
+    self->broken = true;
+}
+
+static bool break_off(struct ccf_reader *self)
+{
+    self->broken = true;
+    return false;
+}
+
+/* What is wrong with the entry at the position goes to the report. */
+static bool is_whole(struct ccf_reader *self, struct co_report *report)
+{
+    const uint8_t *entry = self->bytes + self->position;
+    uint32_t count = get_le32(self->bytes), number = count - self->left + 1;
+    size_t left = self->size - self->position;
 
     if (left < HEADER_SIZE) {
         co_report_add(report, CO_ERROR, 0,
                       "entry %lu of %lu at byte %zu: %u bytes of header expected, %zu are left",
-                      (unsigned long)number, (unsigned long)get_le32(bytes), *position, HEADER_SIZE,
+                      (unsigned long)number, (unsigned long)count, self->position, HEADER_SIZE,
                       left);
         co_report_kind(report, CCF_TRUNCATED);
-        return CO_ERR_FORMAT;
+        return break_off(self);
     }
     left -= HEADER_SIZE;
-    value_size = get_le32(bytes + *position + 3);
-    if (left < value_size) {
+    if (left < get_le32(entry + 3)) {
         co_report_add(report, CO_ERROR, 0,
                       "entry %lu of %lu at byte %zu (%04Xh:%02X): a value of %lu bytes expected, "
                       "%zu are left",
-                      (unsigned long)number, (unsigned long)get_le32(bytes), *position,
-                      get_le16(bytes + *position), bytes[*position + 2], (unsigned long)value_size,
-                      left);
+                      (unsigned long)number, (unsigned long)count, self->position, get_le16(entry),
+                      entry[2], (unsigned long)get_le32(entry + 3), left);
         co_report_kind(report, CCF_TRUNCATED);
-        return CO_ERR_FORMAT;
+        return break_off(self);
     }
-    *position += HEADER_SIZE + (size_t)value_size;
-    return CO_OK;
+    return true;
 }
 
-static enum co_err check(const uint8_t *bytes, size_t size, struct co_report *report)
+bool ccf_read_checked(struct ccf_reader *self, struct co_report *report,
+                      struct ccf_entry *ret_entry)
 {
-    size_t position = COUNT_SIZE;
-    uint32_t count;
-
-    if (size < COUNT_SIZE) {
-        co_report_add(report, CO_ERROR, 0,
-                      "a concise DCF begins with a count of %u bytes, the file has %zu", COUNT_SIZE,
-                      size);
-        co_report_kind(report, CCF_TRUNCATED);
-        return CO_ERR_FORMAT;
+    if (self->broken)
+        return false;
+    if (self->left > 0) {
+        if (!is_whole(self, report))
+            return false;
+        step(self, ret_entry);
+        return true;
     }
-    count = get_le32(bytes);
-    for (uint32_t i = 0; i < count; i++) {
-        if (skip_entry(bytes, size, i + 1, report, &position) != CO_OK)
-            return CO_ERR_FORMAT;
-    }
-    if (position < size) {
-        co_report_add(report, CO_ERROR, 0,
-                      "the %lu entries of the count end at byte %zu, %zu more bytes follow",
-                      (unsigned long)count, position, size - position);
-        return CO_ERR_FORMAT;
-    }
-    return CO_OK;
+    if (self->position == self->size)
+        return false;
+    co_report_add(
+        report, CO_ERROR, 0, "the %lu entries of the count end at byte %zu, %zu more bytes follow",
+        (unsigned long)get_le32(self->bytes), self->position, self->size - self->position);
+    return break_off(self);
 }
 
 enum co_err ccf_parse(const uint8_t *bytes, size_t size, struct co_report *report,
                       struct ccf *ret_ccf)
 {
+    struct ccf_reader reader;
+    struct ccf_entry entry;
     struct ccf ccf;
 
-    if (check(bytes, size, report) != CO_OK)
+    ccf_reader_init_bytes(&reader, bytes, size, report);
+    while (ccf_read_checked(&reader, report, &entry)) {
+    }
+    if (reader.broken)
         return CO_ERR_FORMAT;
     ccf_init(&ccf);
     if (make_room(&ccf, size) != CO_OK)
@@ -170,27 +214,4 @@ enum co_err ccf_parse(const uint8_t *bytes, size_t size, struct co_report *repor
     ccf.size = size;
     *ret_ccf = ccf;
     return CO_OK;
-}
-
-void ccf_reader_init(struct ccf_reader *self, const struct ccf *ccf)
-{
-    *self = (struct ccf_reader){
-        .bytes = ccf->bytes, .size = ccf->size, .position = COUNT_SIZE, .left = ccf_count(ccf)
-    };
-}
-
-bool ccf_read(struct ccf_reader *self, struct ccf_entry *ret_entry)
-{
-    const uint8_t *entry;
-
-    if (self->left == 0)
-        return false;
-    entry = self->bytes + self->position;
-    *ret_entry = (struct ccf_entry){ .index = get_le16(entry),
-                                     .sub = entry[2],
-                                     .size = get_le32(entry + 3),
-                                     .value = entry + HEADER_SIZE };
-    self->position += HEADER_SIZE + (size_t)ret_entry->size;
-    self->left--;
-    return true;
 }

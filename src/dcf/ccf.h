@@ -37,6 +37,7 @@ struct ccf_reader {
     size_t size;
     size_t position;
     uint32_t left; /* entries not yet read */
+    bool broken;   /* what is at the position is no entry */
 };
 
 void ccf_init(struct ccf *self); /* empty: count 0 */
@@ -65,5 +66,14 @@ enum co_err ccf_parse(const uint8_t *bytes, size_t size, struct co_report *repor
 void ccf_reader_init(struct ccf_reader *self, const struct ccf *ccf);
 /* False at the end. */
 bool ccf_read(struct ccf_reader *self, struct ccf_entry *ret_entry);
+
+/*
+ * The same for bytes that may be damaged: false also where they break, which is told in the report,
+ * as ccf_parse() does.
+ */
+void ccf_reader_init_bytes(struct ccf_reader *self, const uint8_t *bytes, size_t size,
+                           struct co_report *report);
+bool ccf_read_checked(struct ccf_reader *self, struct co_report *report,
+                      struct ccf_entry *ret_entry);
 
 #endif

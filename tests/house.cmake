@@ -16,6 +16,7 @@ house_check(check_exports
     ${PROJECT_SOURCE_DIR}/src/api/mcanopen.map
     $<TARGET_FILE:mcanopen> ${PROJECT_BINARY_DIR}/libmcanopen.a)
 house_check(check_messages)
+house_check(check_rules)
 house_check(check_contract)
 foreach(name test_disabling test_mutants)
     add_test(NAME ${name}

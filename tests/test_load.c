@@ -200,6 +200,28 @@ START_TEST(one_dcf_alone)
 }
 END_TEST
 
+/* Whoever boots a plant is told of them, in one line. */
+START_TEST(warnings_about_a_dcf_are_counted)
+{
+    struct dcf dcf;
+
+    write_text("a.dcf", DCF_OF("07") "Foo=1\nFoo=2\n");
+    ck_assert_int_eq(load_dcf("a.dcf", &messages.report, &dcf), MCANOPEN_OK);
+    dcf_done(&dcf);
+    ck_assert_str_eq(messages.text,
+                     "dcf: warning: 3 warnings about this file, which is used as far as it is "
+                     "understood: \"dcftest a.dcf\" shows them\n");
+    messages_init(&messages);
+    write_text("a.dcf", DCF_OF("256") "Foo=1\n");
+    ck_assert_int_eq(load_dcf("a.dcf", &messages.report, &dcf), CANOPEN_DCF_OUT_OF_RANGE);
+    ck_assert_str_eq(messages.text,
+                     "dcf:50: error: [2000] ParameterValue: a number in the range of UNSIGNED8 "
+                     "expected, there is \"256\"\n"
+                     "dcf: warning: 1 warning about this file, which is used as far as it is "
+                     "understood: \"dcftest a.dcf\" shows them\n");
+}
+END_TEST
+
 static const struct name {
     const char *environment, *interface, *bus;
 } names[] = {
@@ -281,6 +303,7 @@ int main(void)
     tcase_add_loop_test(tests, a_download_file_outside_is_refused, 0, ROWS(outside));
     tcase_add_test(tests, errors_of_all_files_are_told);
     tcase_add_test(tests, one_dcf_alone);
+    tcase_add_test(tests, warnings_about_a_dcf_are_counted);
     tcase_add_test(tests, software_is_in_memory);
     tcase_add_test(tests, software_that_is_not_there);
     tcase_add_loop_test(tests, the_name_of_a_bus, 0, ROWS(names));

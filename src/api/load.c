@@ -3,6 +3,7 @@
 #include "api/error_map.h"
 #include "api/file.h"
 #include "base/bytes.h"
+#include "dcf/dcf_rules.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -32,12 +33,32 @@ static void add_up(struct co_report *self, const struct co_report *other)
     self->warnings += other->warnings;
 }
 
+static void pass_on_errors(void *context, const struct co_message *message)
+{
+    const struct co_report *outer = context;
+
+    if (message->severity == CO_ERROR && outer->sink)
+        outer->sink(outer->context, message);
+}
+
+/*
+ * What a vendor's file does against the standard, and is read all the same, is nothing that whoever
+ * boots a plant can mend; with many nodes it would hide what matters. One line tells where it is.
+ */
 static int parse_dcf(const char *path, const char *text, size_t size, struct co_report *report,
                      struct dcf *ret_dcf)
 {
-    struct co_report own = report_for(report, path);
+    struct co_report own = { .file = path, .sink = pass_on_errors, .context = report };
     enum co_err err = dcf_parse(text, size, &own, ret_dcf);
+    unsigned warnings = own.warnings;
 
+    own.sink = report->sink;
+    own.context = report->context;
+    if (warnings > 0)
+        co_report_add(&own, CO_WARNING, 0,
+                      "%u warning%s about this file, which is used as far as it is understood: "
+                      "\"dcftest %s\" shows them",
+                      warnings, warnings == 1 ? "" : "s", path);
     add_up(report, &own);
     if (err == CO_OK)
         return MCANOPEN_OK;
@@ -85,15 +106,15 @@ static int check_commissioning(const struct loader *self, const struct dcf *dcf,
                                struct co_report *report)
 {
     if (dcf->has_node_id && dcf->node_id != self->node->node_id) {
-        co_report_add(report, CO_ERROR, dcf->node_id_line,
-                      "NodeID is %u, but %s:%u configures node %u with this file", dcf->node_id,
-                      self->xml_path, self->node->file_line, self->node->node_id);
+        dcf_tell(report, DCF_RULE_OTHER_NODE_ID, dcf->node_id_line,
+                 "NodeID is %u, but %s:%u configures node %u with this file", dcf->node_id,
+                 self->xml_path, self->node->file_line, self->node->node_id);
         return CANOPEN_DCF_WRONG_NODE_ID;
     }
     if (dcf->baudrate && dcf->baudrate != self->config->baudrate) {
-        co_report_add(report, CO_ERROR, dcf->baudrate_line,
-                      "Baudrate is %u kbit/s, but the network in %s has %u kbit/s", dcf->baudrate,
-                      self->xml_path, self->config->baudrate);
+        dcf_tell(report, DCF_RULE_OTHER_BIT_RATE, dcf->baudrate_line,
+                 "Baudrate is %u kbit/s, but the network in %s has %u kbit/s", dcf->baudrate,
+                 self->xml_path, self->config->baudrate);
         return CANOPEN_DCF_WRONG_BAUDRATE;
     }
     return MCANOPEN_OK;

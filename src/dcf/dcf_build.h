@@ -7,6 +7,7 @@
 #include "dcf/dcf.h"
 #include "dcf/dcf_convert.h"
 #include "dcf/dcf_lexer.h"
+#include "dcf/dcf_rules.h"
 
 #define DCF_ENTRIES_MAX 131072u /* what two lines can ask for must not take all memory */
 
@@ -19,10 +20,6 @@ struct dcf_builder {
     unsigned no_name;    /* entries without ParameterName, and the first one's line */
     unsigned no_name_line;
 };
-
-/* Errors with their kind; dcf_builder-less so that make_od and make_ccf have it too. */
-void dcf_error_add(struct co_report *report, enum dcf_error kind, unsigned line, const char *format,
-                   ...) __attribute__((format(printf, 4, 5)));
 
 /* dcf_info.c */
 void dcf_build_info(struct dcf_builder *self);

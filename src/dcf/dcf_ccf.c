@@ -66,10 +66,10 @@ static void put_file(struct dcf_maker *self, const struct dcf_entry *entry)
     size_t size = 0;
 
     if (!stays_below(entry->download_file)) {
-        dcf_error_add(self->report, DCF_ERROR_WRONG_PARAMETER, entry->line,
-                      "%04Xh:%02X DownloadFile: a name below the folder of this file expected, "
-                      "there is \"%s\"",
-                      entry->index, entry->sub, name.text);
+        dcf_tell(self->report, DCF_RULE_DOWNLOAD_FOLDER, entry->line,
+                 "%04Xh:%02X DownloadFile: a name below the folder of this file expected, "
+                 "there is \"%s\"",
+                 entry->index, entry->sub, name.text);
         return;
     }
     if (options->read_file)
@@ -77,9 +77,9 @@ static void put_file(struct dcf_maker *self, const struct dcf_entry *entry)
     if (err == CO_OK && size <= UINT32_MAX)
         append(self, entry, bytes, (uint32_t)size);
     else
-        dcf_error_add(self->report, DCF_ERROR_WRONG_PARAMETER, entry->line,
-                      "%04Xh:%02X DownloadFile: a readable file expected, \"%s\": %s", entry->index,
-                      entry->sub, name.text, err == CO_OK ? "too long" : co_err_text(err));
+        dcf_tell(self->report, DCF_RULE_DOWNLOAD_FILE, entry->line,
+                 "%04Xh:%02X DownloadFile: a readable file expected, \"%s\": %s", entry->index,
+                 entry->sub, name.text, err == CO_OK ? "too long" : co_err_text(err));
     free(bytes);
 }
 
@@ -94,11 +94,11 @@ void dcf_maker_put(struct dcf_maker *self, const struct dcf_entry *entry)
         return;
     }
     if (value->has_node_id && (node_id == 0 || !dcf_formula_fits(value, node_id))) {
-        dcf_error_add(self->report, node_id == 0 ? DCF_ERROR_WRONG_NODE_ID : DCF_ERROR_OUT_OF_RANGE,
-                      value->line,
-                      "%04Xh:%02X ParameterValue: a node-ID expected with which the formula fits "
-                      "%s, it is %u",
-                      entry->index, entry->sub, od_type_name(entry->type), node_id);
+        dcf_tell(self->report, node_id == 0 ? DCF_RULE_FORMULA_NODE_ID : DCF_RULE_NODE_ID_FORMULA,
+                 value->line,
+                 "%04Xh:%02X ParameterValue: a node-ID expected with which the formula fits "
+                 "%s, it is %u",
+                 entry->index, entry->sub, od_type_name(entry->type), node_id);
         return;
     }
     bytes = malloc(value->size + 1);
@@ -125,13 +125,13 @@ static void tell_refused(const struct dcf_maker *self, const struct dcf_entry *e
         return;
     if (dcf_entry_downloads(entry) || same(&entry->parameter, &entry->initial))
         return;
-    co_report_add(self->report, CO_WARNING,
-                  entry->parameter.given ? entry->parameter.line : entry->line,
-                  "%04Xh:%02X: a value for a writable entry expected, %s: not written",
-                  entry->index, entry->sub,
-                  read_only          ? "this one is read-only"
-                  : entry->flags & 1 ? "ObjFlags refuses to write this one"
-                                     : "configurations leave this object alone");
+    dcf_tell(self->report, DCF_RULE_VALUE_NOT_WRITTEN,
+             entry->parameter.given ? entry->parameter.line : entry->line,
+             "%04Xh:%02X: a value for a writable entry expected, %s: not written", entry->index,
+             entry->sub,
+             read_only          ? "this one is read-only"
+             : entry->flags & 1 ? "ObjFlags refuses to write this one"
+                                : "configurations leave this object alone");
 }
 
 enum place { PLACE_ELSEWHERE, PLACE_BY_INDEX };

@@ -85,11 +85,10 @@ static unsigned find_count(const struct dcf_maker *self, uint16_t index)
         return entry->parameter.bytes[0];
     count = guess_count(self, index);
     if (!is_compact(self, entry))
-        co_report_add(
-            self->report, CO_WARNING, entry ? entry->line : 0,
-            "%04Xh:00 ParameterValue: the number of mapped objects expected, it is missing: "
-            "taken as %u",
-            index, count);
+        dcf_tell(self->report, DCF_RULE_MAPPED_COUNT, entry ? entry->line : 0,
+                 "%04Xh:00 ParameterValue: the number of mapped objects expected, it is missing: "
+                 "taken as %u",
+                 index, count);
     return count;
 }
 
@@ -107,10 +106,10 @@ static void put_mapped(struct dcf_maker *self, uint16_t index, unsigned mapped)
         if (entry->sub <= last)
             dcf_maker_put(self, entry);
         else if (mapped_object(self, index, entry->sub) != 0)
-            co_report_add(self->report, CO_WARNING, entry->parameter.line,
-                          "%04Xh:%02X: at most %u mapped objects expected (sub-index 0), this is "
-                          "one more: not written",
-                          index, entry->sub, mapped);
+            dcf_tell(self->report, DCF_RULE_MAPPED_BEYOND, entry->parameter.line,
+                     "%04Xh:%02X: at most %u mapped objects expected (sub-index 0), this is "
+                     "one more: not written",
+                     index, entry->sub, mapped);
     }
 }
 
@@ -143,10 +142,10 @@ static void put_parameters(struct dcf_maker *self, uint16_t index)
         if (entry->sub != SUB_RESERVED)
             dcf_maker_put(self, entry);
         else
-            co_report_add(self->report, CO_WARNING, entry->parameter.line,
-                          "%04Xh:%02X ParameterValue: none expected, the sub-index is reserved: "
-                          "not written",
-                          index, entry->sub);
+            dcf_tell(self->report, DCF_RULE_PDO_RESERVED_SUB, entry->parameter.line,
+                     "%04Xh:%02X ParameterValue: none expected, the sub-index is reserved: "
+                     "not written",
+                     index, entry->sub);
     }
 }
 
@@ -163,10 +162,10 @@ void dcf_maker_put_pdo(struct dcf_maker *self, uint16_t communication)
     if (switched)
         dcf_maker_put_number(self, entry, cob_id | COB_INVALID);
     else
-        co_report_add(self->report, CO_WARNING, entry ? entry->line : 0,
-                      "%04Xh:01: a writable COB-ID with a value expected, there is none: the PDO "
-                      "is configured without switching it off",
-                      communication);
+        dcf_tell(self->report, DCF_RULE_PDO_COB_ID, entry ? entry->line : 0,
+                 "%04Xh:01: a writable COB-ID with a value expected, there is none: the PDO "
+                 "is configured without switching it off",
+                 communication);
     put_parameters(self, communication);
     put_mapping(self, mapping);
     if (switched && !(cob_id & COB_INVALID))

@@ -105,11 +105,11 @@ static void check_limits(struct dcf_builder *self, struct dcf_entry *entry, uint
     if (!entry->low.given || !entry->high.given ||
         compare(&entry->low, &entry->high, entry->type, node_id) <= 0)
         return;
-    co_report_add(self->report, CO_WARNING, entry->low.line,
-                  "%04Xh:%02X: LowLimit up to HighLimit expected, there are %s and %s: both are "
-                  "ignored",
-                  entry->index, entry->sub, number_text(&entry->low, entry->type, node_id).text,
-                  number_text(&entry->high, entry->type, node_id).text);
+    dcf_tell(self->report, DCF_RULE_LIMIT_ORDER, entry->low.line,
+             "%04Xh:%02X: LowLimit up to HighLimit expected, there are %s and %s: both are "
+             "ignored",
+             entry->index, entry->sub, number_text(&entry->low, entry->type, node_id).text,
+             number_text(&entry->high, entry->type, node_id).text);
     dcf_value_done(&entry->low);
     dcf_value_done(&entry->high);
 }
@@ -118,6 +118,9 @@ static void check_value(struct dcf_builder *self, const struct dcf_entry *entry,
                         const struct dcf_value *value, uint8_t node_id)
 {
     bool parameter = value == &entry->parameter;
+    enum dcf_rule rule = !parameter                   ? DCF_RULE_DEFAULT_LIMITS
+                         : dcf_entry_downloads(entry) ? DCF_RULE_PARAMETER_LIMITS
+                                                      : DCF_RULE_UNWRITTEN_LIMITS;
     char text[300];
 
     if (!is_outside(entry, value, node_id))
@@ -127,12 +130,7 @@ static void check_value(struct dcf_builder *self, const struct dcf_entry *entry,
              number_text(&entry->low, entry->type, node_id).text,
              number_text(&entry->high, entry->type, node_id).text,
              number_text(value, entry->type, node_id).text);
-    if (parameter && dcf_entry_downloads(entry))
-        dcf_error_add(self->report, DCF_ERROR_OUT_OF_LIMITS, value->line, "%04Xh:%02X %s",
-                      entry->index, entry->sub, text);
-    else
-        co_report_add(self->report, CO_WARNING, value->line, "%04Xh:%02X %s", entry->index,
-                      entry->sub, text);
+    dcf_tell(self->report, rule, value->line, "%04Xh:%02X %s", entry->index, entry->sub, text);
 }
 
 bool dcf_formula_fits(const struct dcf_value *value, uint8_t node_id)
@@ -147,9 +145,9 @@ static void check_formula(struct dcf_builder *self, const struct dcf_entry *entr
                           const struct dcf_value *value, uint8_t node_id)
 {
     if (!dcf_formula_fits(value, node_id))
-        dcf_error_add(self->report, DCF_ERROR_OUT_OF_RANGE, value->line,
-                      "%04Xh:%02X: a value of %s expected, with node-ID %u this is too large",
-                      entry->index, entry->sub, od_type_name(entry->type), node_id);
+        dcf_tell(self->report, DCF_RULE_NODE_ID_FORMULA, value->line,
+                 "%04Xh:%02X: a value of %s expected, with node-ID %u this is too large",
+                 entry->index, entry->sub, od_type_name(entry->type), node_id);
 }
 
 void dcf_check_values(struct dcf_builder *self)

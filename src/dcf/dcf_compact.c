@@ -70,10 +70,10 @@ void dcf_build_compact(struct dcf_builder *self, struct dcf_section *section, un
 
     dcf_fill_entry(self, section, &pattern);
     if (pattern.parameter.given)
-        co_report_add(self->report, CO_WARNING, pattern.parameter.line,
-                      "[%s] ParameterValue: a section [%04XValue] expected for a compact object: "
-                      "ignored",
-                      dcf_show(section->name).text, section->index);
+        dcf_tell(self->report, DCF_RULE_COMPACT_VALUE, pattern.parameter.line,
+                 "[%s] ParameterValue: a section [%04XValue] expected for a compact object: "
+                 "ignored",
+                 dcf_show(section->name).text, section->index);
     build_highest_sub(self, section, count, pattern.access);
     for (unsigned sub = 1; sub <= count && !self->no_memory; sub++)
         build_element(self, &pattern, sub);
@@ -96,9 +96,9 @@ static void apply_key(struct dcf_builder *self, struct dcf_section *section, str
         return;
     entry = dcf_slice_decimal(key->name, 254, &sub) ? find_entry(self, section->index, sub) : NULL;
     if (!entry) {
-        co_report_add(self->report, CO_WARNING, key->line,
-                      "[%s]: a sub-index of %04Xh in decimal expected, there is \"%s\": ignored",
-                      dcf_show(section->name).text, section->index, dcf_show(key->name).text);
+        dcf_tell(self->report, DCF_RULE_COMPACT_KEY, key->line,
+                 "[%s]: a sub-index of %04Xh in decimal expected, there is \"%s\": ignored",
+                 dcf_show(section->name).text, section->index, dcf_show(key->name).text);
         return;
     }
     if (section->kind == DCF_SECTION_VALUE) {
@@ -128,9 +128,9 @@ static void apply_section(struct dcf_builder *self, struct dcf_section *section)
         count++;
     }
     if (count != announced)
-        co_report_add(self->report, CO_WARNING, section->line,
-                      "[%s] NrOfEntries: %zu expected (so many are there), it is %lu",
-                      dcf_show(section->name).text, count, (unsigned long)announced);
+        dcf_tell(self->report, DCF_RULE_COMPACT_COUNT, section->line,
+                 "[%s] NrOfEntries: %zu expected (so many are there), it is %lu",
+                 dcf_show(section->name).text, count, (unsigned long)announced);
 }
 
 void dcf_apply_compact_lists(struct dcf_builder *self)

@@ -36,16 +36,15 @@ static enum od_access parse_access(struct dcf_builder *self, const struct dcf_se
         if (!dcf_slice_is(word, accesses[i].text))
             continue;
         if (word.size != key->value.size)
-            co_report_add(self->report, CO_WARNING, key->line,
-                          "[%s] AccessType: %s alone expected, there is \"%s\"",
-                          dcf_show(section->name).text, accesses[i].text,
-                          dcf_show(key->value).text);
+            dcf_tell(self->report, DCF_RULE_ACCESS_TYPE, key->line,
+                     "[%s] AccessType: %s alone expected, there is \"%s\"",
+                     dcf_show(section->name).text, accesses[i].text, dcf_show(key->value).text);
         return accesses[i].access;
     }
-    co_report_add(self->report, CO_WARNING, key->line,
-                  "[%s] AccessType: ro, wo, rw, rwr, rww or const expected, there is \"%s\": "
-                  "taken as ro",
-                  dcf_show(section->name).text, dcf_show(key->value).text);
+    dcf_tell(self->report, DCF_RULE_ACCESS_TYPE, key->line,
+             "[%s] AccessType: ro, wo, rw, rwr, rww or const expected, there is \"%s\": "
+             "taken as ro",
+             dcf_show(section->name).text, dcf_show(key->value).text);
     return OD_RO;
 }
 
@@ -58,9 +57,9 @@ static void fill_access(struct dcf_builder *self, struct dcf_section *section,
     if (key)
         entry->access = (uint8_t)parse_access(self, section, key);
     else if (entry->object_type != OBJECT_DOMAIN)
-        co_report_add(self->report, CO_WARNING, section->line,
-                      "[%s]: AccessType expected, it is missing: taken as ro",
-                      dcf_show(section->name).text);
+        dcf_tell(self->report, DCF_RULE_ACCESS_MISSING, section->line,
+                 "[%s]: AccessType expected, it is missing: taken as ro",
+                 dcf_show(section->name).text);
 }
 
 static void fill_type(struct dcf_builder *self, struct dcf_section *section,
@@ -76,11 +75,11 @@ static void fill_type(struct dcf_builder *self, struct dcf_section *section,
     }
     if (entry->sub == 0 && section->kind == DCF_SECTION_SUB)
         entry->type = OD_UNSIGNED8;
-    co_report_add(self->report, CO_WARNING, key ? key->line : section->line,
-                  "[%s] DataType: a data type of CiA 301 expected, %s%s: %s",
-                  dcf_show(section->name).text, key ? "there is " : "it is missing",
-                  key ? dcf_show(key->value).text : "",
-                  entry->type ? "taken as UNSIGNED8" : "the entry cannot be used");
+    dcf_tell(self->report, DCF_RULE_DATA_TYPE, key ? key->line : section->line,
+             "[%s] DataType: a data type of CiA 301 expected, %s%s: %s",
+             dcf_show(section->name).text, key ? "there is " : "it is missing",
+             key ? dcf_show(key->value).text : "",
+             entry->type ? "taken as UNSIGNED8" : "the entry cannot be used");
 }
 
 static void fill_name(struct dcf_builder *self, struct dcf_section *section,
@@ -97,9 +96,9 @@ static void fill_flags(struct dcf_builder *self, struct dcf_section *section,
     entry->mappable = dcf_key_flag(self, section, "PDOMapping");
     entry->flags = dcf_key_number(self, section, "ObjFlags", UINT32_MAX, 0);
     if (entry->flags & ~FLAGS_KNOWN)
-        co_report_add(self->report, CO_WARNING, dcf_section_find(section, "ObjFlags")->line,
-                      "[%s] ObjFlags: 0..3 expected, there is %lX: bits 2 to 31 are ignored",
-                      dcf_show(section->name).text, (unsigned long)entry->flags);
+        dcf_tell(self->report, DCF_RULE_OBJECT_FLAGS, dcf_section_find(section, "ObjFlags")->line,
+                 "[%s] ObjFlags: 0..3 expected, there is %lX: bits 2 to 31 are ignored",
+                 dcf_show(section->name).text, (unsigned long)entry->flags);
 }
 
 static void fill_value(struct dcf_builder *self, struct dcf_section *section, const char *name,
@@ -140,9 +139,10 @@ static void fill_files(struct dcf_builder *self, struct dcf_section *section,
     dcf_key_text(self, section, "DownloadFile", &entry->download_file);
     dcf_key_text(self, section, "UploadFile", &entry->upload_file);
     if (entry->download_file && entry->type != OD_DOMAIN) {
-        co_report_add(self->report, CO_WARNING, dcf_section_find(section, "DownloadFile")->line,
-                      "[%s] DownloadFile: expected for a DOMAIN only, this is %s: ignored",
-                      dcf_show(section->name).text, od_type_name(entry->type));
+        dcf_tell(self->report, DCF_RULE_DOWNLOAD_TYPE,
+                 dcf_section_find(section, "DownloadFile")->line,
+                 "[%s] DownloadFile: expected for a DOMAIN only, this is %s: ignored",
+                 dcf_show(section->name).text, od_type_name(entry->type));
         free(entry->download_file);
         entry->download_file = NULL;
     }

@@ -18,16 +18,17 @@ static struct dcf_section *find_section(struct dcf_builder *self, enum dcf_secti
     struct dcf_section *section = dcf_text_find(&self->text, kind);
 
     if (!section)
-        co_report_add(self->report, CO_WARNING, 0, "a section [%s] expected, it is missing", name);
+        dcf_tell(self->report, DCF_RULE_SECTION_MISSING, 0,
+                 "a section [%s] expected, it is missing", name);
     return section;
 }
 
 static void expect_text(struct dcf_builder *self, struct dcf_section *section, const char *name)
 {
     if (!dcf_section_find(section, name))
-        co_report_add(self->report, CO_WARNING, section->line,
-                      "[%s] %s: a text expected, it is missing or empty",
-                      dcf_show(section->name).text, name);
+        dcf_tell(self->report, DCF_RULE_TEXT_MISSING, section->line,
+                 "[%s] %s: a text expected, it is missing or empty", dcf_show(section->name).text,
+                 name);
 }
 
 static void use_keys(struct dcf_section *section, const char *const *names, size_t count)
@@ -52,14 +53,14 @@ static bool looks_like(struct dcf_slice text, const char *pattern)
     return true;
 }
 
-static void check_form(struct dcf_builder *self, struct dcf_section *section, const char *name,
-                       const char *pattern, const char *form)
+static void check_form(struct dcf_builder *self, struct dcf_section *section, enum dcf_rule rule,
+                       const char *name, const char *pattern, const char *form)
 {
     const struct dcf_key *key = dcf_section_find(section, name);
 
     if (key && !looks_like(key->value, pattern))
-        co_report_add(self->report, CO_WARNING, key->line, "[%s] %s: %s expected, there is \"%s\"",
-                      dcf_show(section->name).text, name, form, dcf_show(key->value).text);
+        dcf_tell(self->report, rule, key->line, "[%s] %s: %s expected, there is \"%s\"",
+                 dcf_show(section->name).text, name, form, dcf_show(key->value).text);
 }
 
 static void build_file_info(struct dcf_builder *self)
@@ -72,11 +73,13 @@ static void build_file_info(struct dcf_builder *self)
     expect_text(self, section, "FileName");
     dcf_key_number(self, section, "FileVersion", UINT8_MAX, 0);
     dcf_key_number(self, section, "FileRevision", UINT8_MAX, 0);
-    check_form(self, section, "EDSVersion", "9.9", "3.0 or 4.0");
-    check_form(self, section, "CreationTime", "99:99xM", "hh:mm(AM|PM)");
-    check_form(self, section, "CreationDate", "99-99-9999", "mm-dd-yyyy");
-    check_form(self, section, "ModificationTime", "99:99xM", "hh:mm(AM|PM)");
-    check_form(self, section, "ModificationDate", "99-99-9999", "mm-dd-yyyy");
+    check_form(self, section, DCF_RULE_EDS_VERSION, "EDSVersion", "9.9", "3.0 or 4.0");
+    check_form(self, section, DCF_RULE_DATE_AND_TIME, "CreationTime", "99:99xM", "hh:mm(AM|PM)");
+    check_form(self, section, DCF_RULE_DATE_AND_TIME, "CreationDate", "99-99-9999", "mm-dd-yyyy");
+    check_form(self, section, DCF_RULE_DATE_AND_TIME, "ModificationTime", "99:99xM",
+               "hh:mm(AM|PM)");
+    check_form(self, section, DCF_RULE_DATE_AND_TIME, "ModificationDate", "99-99-9999",
+               "mm-dd-yyyy");
     dcf_key_text(self, section, "ModificationTime", &self->dcf->modification_time);
     dcf_key_text(self, section, "ModificationDate", &self->dcf->modification_date);
     use_keys(section, others, sizeof others / sizeof others[0]);
@@ -144,9 +147,9 @@ static void build_node_id(struct dcf_builder *self, struct dcf_section *section)
 
     self->dcf->node_id_line = key ? key->line : section->line;
     if (!key) {
-        co_report_add(self->report, CO_WARNING, section->line,
-                      "[%s] NodeID: 1..127 expected, it is missing or empty",
-                      dcf_show(section->name).text);
+        dcf_tell(self->report, DCF_RULE_NODE_ID_MISSING, section->line,
+                 "[%s] NodeID: 1..127 expected, it is missing or empty",
+                 dcf_show(section->name).text);
         return;
     }
     is_number = dcf_number_parse(key->value, &number) && !number.has_node_id && !number.negative;
@@ -154,13 +157,13 @@ static void build_node_id(struct dcf_builder *self, struct dcf_section *section)
         self->dcf->has_node_id = true;
         self->dcf->node_id = (uint8_t)number.magnitude;
     } else if (is_number && (number.magnitude == 0 || number.magnitude == 255)) {
-        co_report_add(self->report, CO_WARNING, key->line,
-                      "[%s] NodeID: 1..127 expected, there is \"%s\": taken as not configured",
-                      dcf_show(section->name).text, dcf_show(key->value).text);
+        dcf_tell(self->report, DCF_RULE_NODE_ID_UNSET, key->line,
+                 "[%s] NodeID: 1..127 expected, there is \"%s\": taken as not configured",
+                 dcf_show(section->name).text, dcf_show(key->value).text);
     } else {
-        dcf_error_add(self->report, is_number ? DCF_ERROR_WRONG_MODULE_NO : DCF_ERROR_WRONG_NODE_ID,
-                      key->line, "[%s] NodeID: 1..127 expected, there is \"%s\"",
-                      dcf_show(section->name).text, dcf_show(key->value).text);
+        dcf_tell(self->report, is_number ? DCF_RULE_NODE_ID : DCF_RULE_NODE_ID_FORMAT, key->line,
+                 "[%s] NodeID: 1..127 expected, there is \"%s\"", dcf_show(section->name).text,
+                 dcf_show(key->value).text);
     }
 }
 
@@ -191,13 +194,13 @@ static void build_bit_rate(struct dcf_builder *self, struct dcf_section *section
     if (key)
         self->dcf->baudrate = parse_bit_rate(key->value, &is_zero);
     if (!key || is_zero)
-        co_report_add(self->report, CO_WARNING, self->dcf->baudrate_line,
-                      "[%s] Baudrate: " BIT_RATES " expected, there is %s: not configured",
-                      dcf_show(section->name).text, key ? "0" : "none");
+        dcf_tell(self->report, DCF_RULE_BIT_RATE_UNSET, self->dcf->baudrate_line,
+                 "[%s] Baudrate: " BIT_RATES " expected, there is %s: not configured",
+                 dcf_show(section->name).text, key ? "0" : "none");
     else if (self->dcf->baudrate == 0)
-        dcf_error_add(self->report, DCF_ERROR_WRONG_BAUDRATE, key->line,
-                      "[%s] Baudrate: " BIT_RATES " expected, there is \"%s\"",
-                      dcf_show(section->name).text, dcf_show(key->value).text);
+        dcf_tell(self->report, DCF_RULE_BIT_RATE, key->line,
+                 "[%s] Baudrate: " BIT_RATES " expected, there is \"%s\"",
+                 dcf_show(section->name).text, dcf_show(key->value).text);
 }
 
 static void build_commissioning(struct dcf_builder *self)

@@ -2,35 +2,24 @@
 
 #include "base/bytes.h"
 
-#include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-void dcf_error_add(struct co_report *report, enum dcf_error kind, unsigned line, const char *format,
-                   ...)
-{
-    char text[CO_REPORT_TEXT_SIZE];
-    va_list args;
-
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    co_report_add(report, CO_ERROR, line, "%s", text);
-    co_report_kind(report, (int)kind);
-}
-
 static const struct {
     unsigned quirk;
+    enum dcf_rule rule;
     const char *expected;
     const char *done;
 } quirk_texts[] = {
-    { DCF_QUIRK_COMMENT, "a number alone", "what follows it is ignored" },
-    { DCF_QUIRK_LEADING_ZERO, "no leading zero", "read as a decimal number" },
-    { DCF_QUIRK_SUFFIX, "a number without suffix", "the suffix is ignored" },
-    { DCF_QUIRK_TEXT, "hexadecimal digits", "taken as text" },
-    { DCF_QUIRK_QUOTES, "text without quotes", "the quotes count as characters" },
-    { DCF_QUIRK_DOMAIN, "a DownloadFile as value of a DOMAIN", "taken as bytes" },
+    { DCF_QUIRK_COMMENT, DCF_RULE_VALUE_COMMENT, "a number alone", "what follows it is ignored" },
+    { DCF_QUIRK_LEADING_ZERO, DCF_RULE_LEADING_ZERO, "no leading zero",
+      "read as a decimal number" },
+    { DCF_QUIRK_SUFFIX, DCF_RULE_NUMBER_SUFFIX, "a number without suffix",
+      "the suffix is ignored" },
+    { DCF_QUIRK_TEXT, DCF_RULE_HEX_BYTES, "hexadecimal digits", "taken as text" },
+    { DCF_QUIRK_QUOTES, DCF_RULE_QUOTES, "text without quotes", "the quotes count as characters" },
+    { DCF_QUIRK_DOMAIN, DCF_RULE_DOMAIN_VALUE, "a DownloadFile as value of a DOMAIN",
+      "taken as bytes" },
 };
 
 static void tell_quirks(const struct dcf_builder *self, const struct dcf_section *section,
@@ -38,11 +27,11 @@ static void tell_quirks(const struct dcf_builder *self, const struct dcf_section
 {
     for (size_t i = 0; i < sizeof quirk_texts / sizeof quirk_texts[0]; i++) {
         if (quirks & quirk_texts[i].quirk)
-            co_report_add(self->report, CO_WARNING, key->line,
-                          "[%s] %s: %s expected, there is "
-                          "\"%s\": %s",
-                          dcf_show(section->name).text, dcf_show(key->name).text,
-                          quirk_texts[i].expected, dcf_show(key->value).text, quirk_texts[i].done);
+            dcf_tell(self->report, quirk_texts[i].rule, key->line,
+                     "[%s] %s: %s expected, there is "
+                     "\"%s\": %s",
+                     dcf_show(section->name).text, dcf_show(key->name).text,
+                     quirk_texts[i].expected, dcf_show(key->value).text, quirk_texts[i].done);
     }
 }
 
@@ -56,10 +45,10 @@ uint32_t dcf_key_number(struct dcf_builder *self, struct dcf_section *section, c
         return missing;
     if (!dcf_number_parse(key->value, &number) || number.has_node_id || number.negative ||
         number.too_large || number.magnitude > most) {
-        co_report_add(self->report, CO_WARNING, key->line,
-                      "[%s] %s: a number of 0..%lu expected, there is \"%s\": ignored",
-                      dcf_show(section->name).text, name, (unsigned long)most,
-                      dcf_show(key->value).text);
+        dcf_tell(self->report, DCF_RULE_KEY_NUMBER, key->line,
+                 "[%s] %s: a number of 0..%lu expected, there is \"%s\": ignored",
+                 dcf_show(section->name).text, name, (unsigned long)most,
+                 dcf_show(key->value).text);
         return missing;
     }
     tell_quirks(self, section, key, number.quirks);
@@ -115,19 +104,22 @@ static void tell_misfit(struct dcf_builder *self, const struct dcf_section *sect
     struct dcf_shown value = dcf_show(key->value);
     const char *expected = dcf_convert_expected(type);
 
-    if (!strict)
-        co_report_add(self->report, CO_WARNING, key->line,
-                      "[%s] %s: %s (%s) expected, there is \"%s\"%s: ignored", in.text, name.text,
-                      expected, od_type_name(type), value.text,
-                      fit == DCF_OUT_OF_RANGE ? ", which does not fit the type" : "");
+    if (!strict && fit == DCF_OUT_OF_RANGE)
+        dcf_tell(self->report, DCF_RULE_VALUE_RANGE, key->line,
+                 "[%s] %s: %s (%s) expected, there is \"%s\", which does not fit the type: ignored",
+                 in.text, name.text, expected, od_type_name(type), value.text);
+    else if (!strict)
+        dcf_tell(self->report, DCF_RULE_VALUE_FORMAT, key->line,
+                 "[%s] %s: %s (%s) expected, there is \"%s\": ignored", in.text, name.text,
+                 expected, od_type_name(type), value.text);
     else if (fit == DCF_OUT_OF_RANGE)
-        dcf_error_add(self->report, DCF_ERROR_OUT_OF_RANGE, key->line,
-                      "[%s] %s: %s in the range of %s expected, there is \"%s\"", in.text,
-                      name.text, expected, od_type_name(type), value.text);
+        dcf_tell(self->report, DCF_RULE_PARAMETER_RANGE, key->line,
+                 "[%s] %s: %s in the range of %s expected, there is \"%s\"", in.text, name.text,
+                 expected, od_type_name(type), value.text);
     else
-        dcf_error_add(self->report, DCF_ERROR_WRONG_PARAMETER, key->line,
-                      "[%s] %s: %s (%s) expected, there is \"%s\"", in.text, name.text, expected,
-                      od_type_name(type), value.text);
+        dcf_tell(self->report, DCF_RULE_PARAMETER_FORMAT, key->line,
+                 "[%s] %s: %s (%s) expected, there is \"%s\"", in.text, name.text, expected,
+                 od_type_name(type), value.text);
 }
 
 void dcf_key_value(struct dcf_builder *self, const struct dcf_section *section,
@@ -156,9 +148,9 @@ void dcf_tell_unused(struct dcf_builder *self, const struct dcf_section *section
         const struct dcf_key *key = &section->keys[i];
 
         if (!key->used)
-            co_report_add(self->report, CO_WARNING, key->line,
-                          "[%s]: a keyword of CiA 306 for this section expected, there is "
-                          "\"%s\": ignored",
-                          dcf_show(section->name).text, dcf_show(key->name).text);
+            dcf_tell(self->report, DCF_RULE_UNKNOWN_KEY, key->line,
+                     "[%s]: a keyword of CiA 306 for this section expected, there is "
+                     "\"%s\": ignored",
+                     dcf_show(section->name).text, dcf_show(key->name).text);
     }
 }

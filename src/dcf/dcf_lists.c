@@ -62,23 +62,23 @@ static void check_listed(struct dcf_builder *self, const struct dcf_section *sec
     uint32_t index;
 
     if (!parse_index(key->value, &index)) {
-        co_report_add(self->report, CO_WARNING, key->line,
-                      "[%s] %s: an index expected, there is \"%s\": ignored", name.text,
-                      dcf_show(key->name).text, dcf_show(key->value).text);
+        dcf_tell(self->report, DCF_RULE_LIST_ENTRY, key->line,
+                 "[%s] %s: an index expected, there is \"%s\": ignored", name.text,
+                 dcf_show(key->name).text, dcf_show(key->value).text);
         return;
     }
     if (places[index].list_line != 0)
-        co_report_add(self->report, CO_WARNING, key->line,
-                      "[%s]: %04lXh expected once, it is also in line %u", name.text,
-                      (unsigned long)index, places[index].list_line);
+        dcf_tell(self->report, DCF_RULE_LISTED_TWICE, key->line,
+                 "[%s]: %04lXh expected once, it is also in line %u", name.text,
+                 (unsigned long)index, places[index].list_line);
     else if (!belongs(section->kind, index))
-        co_report_add(self->report, CO_WARNING, key->line,
-                      "[%s]: %04lXh expected in [%s], it is here", name.text, (unsigned long)index,
-                      list_of(index));
+        dcf_tell(self->report, DCF_RULE_WRONG_LIST, key->line,
+                 "[%s]: %04lXh expected in [%s], it is here", name.text, (unsigned long)index,
+                 list_of(index));
     if (places[index].section_line == 0 && !dcf_has_object(self->dcf, (uint16_t)index))
-        co_report_add(self->report, CO_WARNING, key->line,
-                      "[%s]: a section [%04lX] for this index expected, it is missing", name.text,
-                      (unsigned long)index);
+        dcf_tell(self->report, DCF_RULE_LISTED_MISSING, key->line,
+                 "[%s]: a section [%04lX] for this index expected, it is missing", name.text,
+                 (unsigned long)index);
     places[index].list_line = key->line;
 }
 
@@ -90,8 +90,8 @@ static void check_list(struct dcf_builder *self, const struct list *list, struct
     unsigned number;
 
     if (!section) {
-        co_report_add(self->report, CO_WARNING, 0, "a section [%s] expected, it is missing",
-                      list->name);
+        dcf_tell(self->report, DCF_RULE_SECTION_MISSING, 0,
+                 "a section [%s] expected, it is missing", list->name);
         return;
     }
     announced = dcf_key_number(self, section, "SupportedObjects", UINT16_MAX, 0);
@@ -105,9 +105,9 @@ static void check_list(struct dcf_builder *self, const struct list *list, struct
         count++;
     }
     if (count != announced)
-        co_report_add(self->report, CO_WARNING, section->line,
-                      "[%s] SupportedObjects: %zu expected (so many are listed), it is %lu",
-                      list->name, count, (unsigned long)announced);
+        dcf_tell(self->report, DCF_RULE_LIST_COUNT, section->line,
+                 "[%s] SupportedObjects: %zu expected (so many are listed), it is %lu", list->name,
+                 count, (unsigned long)announced);
     dcf_tell_unused(self, section);
 }
 
@@ -118,9 +118,9 @@ static void check_sections(struct dcf_builder *self, const struct place *places)
 
         if (section->kind == DCF_SECTION_OBJECT && section->index >= FIRST_OBJECT &&
             places[section->index].list_line == 0)
-            co_report_add(self->report, CO_WARNING, section->line,
-                          "[%04X]: its index expected in [%s], it is in no list", section->index,
-                          list_of(section->index));
+            dcf_tell(self->report, DCF_RULE_NOT_LISTED, section->line,
+                     "[%04X]: its index expected in [%s], it is in no list", section->index,
+                     list_of(section->index));
     }
 }
 
@@ -130,8 +130,8 @@ static void check_mandatory(struct dcf_builder *self)
 
     for (size_t i = 0; i < sizeof mandatory / sizeof mandatory[0]; i++) {
         if (!dcf_has_object(self->dcf, mandatory[i]))
-            co_report_add(self->report, CO_WARNING, 0,
-                          "an object %04Xh expected in every device, it is missing", mandatory[i]);
+            dcf_tell(self->report, DCF_RULE_MANDATORY_OBJECT, 0,
+                     "an object %04Xh expected in every device, it is missing", mandatory[i]);
     }
 }
 
@@ -143,10 +143,10 @@ static void check_pdo_count(struct dcf_builder *self, const char *name, uint16_t
     for (unsigned i = 0; i < PDOS_MAX; i++)
         count += dcf_has_object(self->dcf, (uint16_t)(first + i));
     if (count != announced)
-        co_report_add(self->report, CO_WARNING, 0,
-                      "[DeviceInfo] %s: %u expected (so many communication parameters are there), "
-                      "it is %u",
-                      name, count, announced);
+        dcf_tell(self->report, DCF_RULE_PDO_COUNT, 0,
+                 "[DeviceInfo] %s: %u expected (so many communication parameters are there), "
+                 "it is %u",
+                 name, count, announced);
 }
 
 void dcf_check_lists(struct dcf_builder *self)
@@ -190,9 +190,9 @@ void dcf_check_modules(struct dcf_builder *self)
         if (!dcf_slice_decimal(key->name, UINT16_MAX, &slot) || key->value.size == 0)
             continue;
         if (!parse_index(key->value, &module) || module < 1 || module > most)
-            dcf_error_add(self->report, DCF_ERROR_WRONG_MODULE_NO, key->line,
-                          "[%s] %u: a module of 1..%lu expected, there is \"%s\"",
-                          dcf_show(connected->name).text, slot, (unsigned long)most,
-                          dcf_show(key->value).text);
+            dcf_tell(self->report, DCF_RULE_MODULE_NUMBER, key->line,
+                     "[%s] %u: a module of 1..%lu expected, there is \"%s\"",
+                     dcf_show(connected->name).text, slot, (unsigned long)most,
+                     dcf_show(key->value).text);
     }
 }

@@ -28,8 +28,8 @@ struct dcf_entry *dcf_build_entry(struct dcf_builder *self, uint16_t index, uint
     size_t room = dcf->room ? 2 * dcf->room : 128;
 
     if (dcf->count == DCF_ENTRIES_MAX) {
-        dcf_error_add(self->report, DCF_ERROR_OUT_OF_RANGE, 0,
-                      "at most %u entries expected, there are more", DCF_ENTRIES_MAX);
+        dcf_tell(self->report, DCF_RULE_ENTRY_LIMIT, 0,
+                 "at most %u entries expected, there are more", DCF_ENTRIES_MAX);
         self->no_memory = true;
         return NULL;
     }
@@ -68,11 +68,10 @@ static uint8_t read_object_type(struct dcf_builder *self, const struct group *gr
 
     if (has_subs(type) || (is_single(type) && group->sub_count == 0))
         return type;
-    co_report_add(self->report, CO_WARNING, section->line,
-                  "[%s] ObjectType: %s expected, there is %u: taken as %u",
-                  dcf_show(section->name).text,
-                  group->sub_count > 0 ? "8 or 9 (there are sub-indices)" : "2, 5, 6, 7, 8 or 9",
-                  type, meant);
+    dcf_tell(self->report, DCF_RULE_OBJECT_TYPE, section->line,
+             "[%s] ObjectType: %s expected, there is %u: taken as %u", dcf_show(section->name).text,
+             group->sub_count > 0 ? "8 or 9 (there are sub-indices)" : "2, 5, 6, 7, 8 or 9", type,
+             meant);
     return meant;
 }
 
@@ -95,14 +94,14 @@ static void build_sub(struct dcf_builder *self, const struct group *group,
         return;
     dcf_fill_entry(self, section, entry);
     if (!is_single(entry->object_type))
-        co_report_add(self->report, CO_WARNING, section->line,
-                      "[%s] ObjectType: 7 (VAR) expected for a sub-index, there is %u",
-                      dcf_show(section->name).text, entry->object_type);
+        dcf_tell(self->report, DCF_RULE_SUB_OBJECT_TYPE, section->line,
+                 "[%s] ObjectType: 7 (VAR) expected for a sub-index, there is %u",
+                 dcf_show(section->name).text, entry->object_type);
     if (section->sub == 0) {
         if (entry->type != OD_UNSIGNED8)
-            co_report_add(self->report, CO_WARNING, section->line,
-                          "[%s] DataType: UNSIGNED8 expected for sub-index 0, there is %s",
-                          dcf_show(section->name).text, od_type_name(entry->type));
+            dcf_tell(self->report, DCF_RULE_SUB_0_TYPE, section->line,
+                     "[%s] DataType: UNSIGNED8 expected for sub-index 0, there is %s",
+                     dcf_show(section->name).text, od_type_name(entry->type));
         entry->object_type = group->object_type;
     }
     dcf_tell_unused(self, section);
@@ -117,14 +116,14 @@ static void check_subs(struct dcf_builder *self, const struct group *group)
     if (count > 0 && group->subs[count - 1].sub == STRUCTURE_SUB)
         count--;
     if (announced != count)
-        co_report_add(self->report, CO_WARNING, object->line,
-                      "[%s] SubNumber: %zu expected (so many sub-index sections are there), it is "
-                      "%lu",
-                      dcf_show(object->name).text, count, (unsigned long)announced);
+        dcf_tell(self->report, DCF_RULE_SUB_COUNT, object->line,
+                 "[%s] SubNumber: %zu expected (so many sub-index sections are there), it is "
+                 "%lu",
+                 dcf_show(object->name).text, count, (unsigned long)announced);
     if (count > 0 && group->subs[0].sub != 0)
-        co_report_add(self->report, CO_WARNING, object->line,
-                      "[%s]: a section [%04Xsub0] expected, it is missing",
-                      dcf_show(object->name).text, object->index);
+        dcf_tell(self->report, DCF_RULE_SUB_0_MISSING, object->line,
+                 "[%s]: a section [%04Xsub0] expected, it is missing", dcf_show(object->name).text,
+                 object->index);
 }
 
 static void build_structure(struct dcf_builder *self, struct group *group)
@@ -143,9 +142,9 @@ static void build_structure(struct dcf_builder *self, struct group *group)
 
 static void build_orphans(struct dcf_builder *self, struct group *group)
 {
-    co_report_add(self->report, CO_WARNING, group->subs[0].line,
-                  "[%s]: a section [%04X] for its object expected, it is missing",
-                  dcf_show(group->subs[0].name).text, group->subs[0].index);
+    dcf_tell(self->report, DCF_RULE_OBJECT_MISSING, group->subs[0].line,
+             "[%s]: a section [%04X] for its object expected, it is missing",
+             dcf_show(group->subs[0].name).text, group->subs[0].index);
     group->object_type = OBJECT_RECORD;
     for (size_t i = 0; i < group->sub_count; i++)
         build_sub(self, group, &group->subs[i]);
@@ -163,9 +162,9 @@ static unsigned read_compact(struct dcf_builder *self, struct dcf_section *secti
 
     if (count <= COMPACT_MAX)
         return count;
-    co_report_add(self->report, CO_WARNING, section->line,
-                  "[%s] CompactSubObj: at most %u expected, there is %u: taken as %u",
-                  dcf_show(section->name).text, COMPACT_MAX, count, COMPACT_MAX);
+    dcf_tell(self->report, DCF_RULE_COMPACT_SIZE, section->line,
+             "[%s] CompactSubObj: at most %u expected, there is %u: taken as %u",
+             dcf_show(section->name).text, COMPACT_MAX, count, COMPACT_MAX);
     return COMPACT_MAX;
 }
 
@@ -184,10 +183,10 @@ static void build_group(struct dcf_builder *self, struct group *group)
         dcf_build_compact(self, group->object, compact);
     } else if (has_subs(group->object_type)) {
         if (compact > 0)
-            co_report_add(self->report, CO_WARNING, group->object->line,
-                          "[%s] CompactSubObj: 0 expected (there are sub-index sections), it is "
-                          "%u: ignored",
-                          dcf_show(group->object->name).text, compact);
+            dcf_tell(self->report, DCF_RULE_COMPACT_AND_SUBS, group->object->line,
+                     "[%s] CompactSubObj: 0 expected (there are sub-index sections), it is "
+                     "%u: ignored",
+                     dcf_show(group->object->name).text, compact);
         build_structure(self, group);
     } else {
         build_single(self, group);
@@ -224,7 +223,7 @@ void dcf_build_objects(struct dcf_builder *self)
         build_group(self, &group);
     }
     if (self->no_name > 0)
-        co_report_add(self->report, CO_WARNING, self->no_name_line,
-                      "ParameterName: a text expected, it is missing or empty (%u such sections)",
-                      self->no_name);
+        dcf_tell(self->report, DCF_RULE_PARAMETER_NAME, self->no_name_line,
+                 "ParameterName: a text expected, it is missing or empty (%u such sections)",
+                 self->no_name);
 }

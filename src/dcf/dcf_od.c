@@ -104,18 +104,18 @@ enum co_err dcf_make_od(const struct dcf *self, uint8_t node_id, struct co_repor
         enum co_err err;
 
         if (!od_type_known(entry->type)) {
-            co_report_add(report, CO_WARNING, entry->line,
-                          "%04Xh:%02X: a data type of CiA 301 expected, there is none: the entry "
-                          "is left out",
-                          entry->index, entry->sub);
+            dcf_tell(report, DCF_RULE_DATA_TYPE, entry->line,
+                     "%04Xh:%02X: a data type of CiA 301 expected, there is none: the entry "
+                     "is left out",
+                     entry->index, entry->sub);
             continue;
         }
         err = add_entry(&maker, i);
         if (err == CO_ERR_MEMORY)
             return err;
         if (err != CO_OK) {
-            co_report_add(report, CO_ERROR, entry->line, "%04Xh:%02X: not accepted: %s",
-                          entry->index, entry->sub, co_err_text(err));
+            dcf_tell(report, DCF_RULE_NOT_ACCEPTED, entry->line, "%04Xh:%02X: not accepted: %s",
+                     entry->index, entry->sub, co_err_text(err));
             return CO_ERR_VALUE;
         }
     }

@@ -1,6 +1,8 @@
 /* Knows the names of sections, sorts sections and keys, merges what comes twice. */
 #include "dcf/dcf_lexer.h"
 
+#include "dcf/dcf_rules.h"
+
 #include <stdlib.h>
 
 #define INDEX_DIGITS 4u
@@ -48,8 +50,9 @@ static bool is_sub(struct dcf_slice rest, struct co_report *report, struct dcf_s
     if (!dcf_slice_hex(digits, INDEX_DIGITS, &sub) || sub > 0xFF)
         return false;
     if (digits.size + 3 != rest.size || (digits.size > 1 && digits.text[0] == '0'))
-        co_report_add(report, CO_WARNING, section->line, "[%04Xsub%X] expected, there is [%s]",
-                      section->index, sub, dcf_show(section->name).text);
+        dcf_tell(report, DCF_RULE_SECTION_NAME, section->line,
+                 "[%04Xsub%X] expected, there is [%s]", section->index, sub,
+                 dcf_show(section->name).text);
     section->kind = DCF_SECTION_SUB;
     section->sub = (uint8_t)sub;
     return true;
@@ -68,8 +71,8 @@ static bool is_object(struct co_report *report, struct dcf_section *section)
         return false;
     section->index = (uint16_t)index;
     if (name.size != section->name.size)
-        co_report_add(report, CO_WARNING, section->line, "[%04X...] expected, there is [%s]", index,
-                      dcf_show(section->name).text);
+        dcf_tell(report, DCF_RULE_SECTION_NAME, section->line, "[%04X...] expected, there is [%s]",
+                 index, dcf_show(section->name).text);
     name = dcf_slice_trim(dcf_slice_skip(name, INDEX_DIGITS));
     for (size_t i = 0; i < sizeof object_parts / sizeof object_parts[0]; i++) {
         if (dcf_slice_is(name, object_parts[i].suffix)) {
@@ -108,18 +111,18 @@ static void classify(struct dcf_section *section, struct co_report *report)
         }
     }
     if (dcf_slice_is(section->name, "DeviceCommissioning"))
-        co_report_add(report, CO_WARNING, section->line,
-                      "[DeviceComissioning] expected (so the standard spells it), there is [%s]",
-                      dcf_show(section->name).text);
+        dcf_tell(report, DCF_RULE_COMMISSIONING_NAME, section->line,
+                 "[DeviceComissioning] expected (so the standard spells it), there is [%s]",
+                 dcf_show(section->name).text);
     if (section->kind != DCF_SECTION_UNKNOWN || is_object(report, section))
         return;
     section->kind = DCF_SECTION_UNKNOWN;
     if (is_module_or_tool(section->name))
         section->kind = DCF_SECTION_IGNORED;
     else
-        co_report_add(report, CO_WARNING, section->line,
-                      "a section of CiA 306 expected, there is [%s]: ignored",
-                      dcf_show(section->name).text);
+        dcf_tell(report, DCF_RULE_UNKNOWN_SECTION, section->line,
+                 "a section of CiA 306 expected, there is [%s]: ignored",
+                 dcf_show(section->name).text);
 }
 
 /* Equal for sections that are the same one. */
@@ -163,10 +166,10 @@ static void merge_sections(struct dcf_text *self, struct co_report *report, uint
         struct dcf_section *last = count > 0 ? &self->sections[count - 1] : NULL;
 
         if (last && order(section) != NO_ORDER && order(last) == order(section)) {
-            co_report_add(report, CO_WARNING, section->line,
-                          "[%s]: expected once, it is also in line %u: keys of both are taken, of "
-                          "the same ones the later",
-                          dcf_show(section->name).text, last->line);
+            dcf_tell(report, DCF_RULE_DOUBLE_SECTION, section->line,
+                     "[%s]: expected once, it is also in line %u: keys of both are taken, of "
+                     "the same ones the later",
+                     dcf_show(section->name).text, last->line);
             places[section->number] = (uint32_t)count - 1;
             last->line = section->line;
         } else {
@@ -184,10 +187,10 @@ static void tell_twice(const struct dcf_text *self, struct co_report *report,
 
     if (section->kind >= DCF_SECTION_IGNORED)
         return;
-    co_report_add(report, CO_WARNING, again->line,
-                  "[%s] %s: expected once, it is also in line %u: \"%s\" counts, not \"%s\"",
-                  dcf_show(section->name).text, dcf_show(again->name).text, first->line,
-                  dcf_show(again->value).text, dcf_show(first->value).text);
+    dcf_tell(report, DCF_RULE_DOUBLE_KEY, again->line,
+             "[%s] %s: expected once, it is also in line %u: \"%s\" counts, not \"%s\"",
+             dcf_show(section->name).text, dcf_show(again->name).text, first->line,
+             dcf_show(again->value).text, dcf_show(first->value).text);
 }
 
 static void merge_keys(struct dcf_text *self, struct co_report *report)

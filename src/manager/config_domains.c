@@ -1,6 +1,7 @@
 #include "manager/config_domains.h"
 
 #include "dcf/dcf.h"
+#include "dcf/dcf_rules.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -121,12 +122,12 @@ static bool is_commissioned(const struct dcf *dcf, const struct network_config *
                             const struct node_config *node, struct co_report *report)
 {
     if (dcf->has_node_id && dcf->node_id != node->node_id)
-        co_report_add(report, CO_ERROR, dcf->node_id_line, "NodeID is %u, but this is for node %u",
-                      dcf->node_id, node->node_id);
+        dcf_tell(report, DCF_RULE_OTHER_NODE_ID, dcf->node_id_line,
+                 "NodeID is %u, but this is for node %u", dcf->node_id, node->node_id);
     else if (dcf->baudrate && dcf->baudrate != config->baudrate)
-        co_report_add(report, CO_ERROR, dcf->baudrate_line,
-                      "Baudrate is %u kbit/s, but the network has %u kbit/s", dcf->baudrate,
-                      config->baudrate);
+        dcf_tell(report, DCF_RULE_OTHER_BIT_RATE, dcf->baudrate_line,
+                 "Baudrate is %u kbit/s, but the network has %u kbit/s", dcf->baudrate,
+                 config->baudrate);
     return report->errors == 0;
 }
 

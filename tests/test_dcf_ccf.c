@@ -1,82 +1,12 @@
 #include "dcf/dcf.h"
-#include "support/messages.h"
+#include "support/ccf_make.h"
 
 #include <check.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Only what the writes depend on: what the reader misses in such a file is not looked at here. */
-#define ENTRY(name, type, access, values)                                                          \
-    "[" name "]\nParameterName=x\nDataType=" type "\nAccessType=" access "\n" values
-#define U8(name, values)  ENTRY(name, "5", "rw", values)
-#define U16(name, values) ENTRY(name, "6", "rw", values)
-#define U32(name, values) ENTRY(name, "7", "rw", values)
-#define RECORD(name)      "[" name "]\nParameterName=x\nObjectType=9\n"
-#define P(value)          "ParameterValue=" value "\n"
-#define D(value)          "DefaultValue=" value "\n"
-
-#define RPDO(cob_id) RECORD("1400") U32("1400sub1", cob_id)
-#define MAPPING(count, first, second)                                                              \
-    RECORD("1600") U8("1600sub0", count) U32("1600sub1", first) U32("1600sub2", second)
-
-struct make {
-    const char *name;
-    const char *dcf;
-    const char *expected; /* "index:sub bytes", a line each; NULL: refused */
-    const char *messages;
-};
-
-static struct messages messages;
-static char text[4000];
-
-static const char *format(const struct ccf *ccf)
-{
-    struct ccf_reader reader;
-    struct ccf_entry entry;
-    size_t used = 0;
-
-    text[0] = '\0';
-    ccf_reader_init(&reader, ccf);
-    while (ccf_read(&reader, &entry)) {
-        used += (size_t)sprintf(text + used, "%04X:%02X ", entry.index, entry.sub);
-        for (uint32_t i = 0; i < entry.size; i++)
-            used += (size_t)sprintf(text + used, "%02X", entry.value[i]);
-        used += (size_t)sprintf(text + used, "\n");
-    }
-    return text;
-}
-
-static void parse(const char *file, struct dcf *ret_dcf)
-{
-    messages_init(&messages);
-    ck_assert_msg(dcf_parse(file, strlen(file), &messages.report, ret_dcf) == CO_OK, "%s",
-                  messages.text);
-    messages_init(&messages);
-}
-
-static void check_make(const struct make *make, const struct dcf_ccf_options *options)
-{
-    struct dcf dcf;
-    struct ccf ccf = { .size = 77 };
-    enum co_err err;
-
-    parse(make->dcf, &dcf);
-    err = dcf_make_ccf(&dcf, options, &messages.report, &ccf);
-    ck_assert_msg(strcmp(messages.text, make->messages) == 0, "%s: messages:\n%s", make->name,
-                  messages.text);
-    if (make->expected) {
-        ck_assert_int_eq(err, CO_OK);
-        ck_assert_msg(strcmp(format(&ccf), make->expected) == 0, "%s: made:\n%s", make->name, text);
-        ccf_done(&ccf);
-    } else {
-        ck_assert_int_eq(err, CO_ERR_VALUE);
-        ck_assert_uint_eq(ccf.size, 77);
-    }
-    dcf_done(&dcf);
-}
-
-static const struct make makes[] = {
+static const struct ccf_make makes[] = {
     { "nothing", U16("1017", D("500")), "", "" },
     { "by index, whatever the order of the file",
       U8("2001", P("1")) U8("2000", P("2")) RECORD("3000") U8("3000subA", P("10"))
@@ -253,13 +183,13 @@ START_TEST(test_order)
 {
     struct dcf_ccf_options options = { .node_id = 5 };
 
-    check_make(&makes[_i], &options);
+    ccf_make_check(&makes[_i], &options);
 }
 END_TEST
 
 START_TEST(test_old_style)
 {
-    static const struct make make = {
+    static const struct ccf_make make = {
         "old style",
         RPDO(D("0x205")) MAPPING(P("2"), P("0x62000108"), P("0x62000208")),
         "1400:01 05020080\n1600:00 02\n1600:01 08010062\n1600:02 08020062\n1400:01 05020000\n",
@@ -267,14 +197,14 @@ START_TEST(test_old_style)
     };
     struct dcf_ccf_options options = { .node_id = 5, .old_style = true };
 
-    check_make(&make, &options);
+    ccf_make_check(&make, &options);
 }
 END_TEST
 
 START_TEST(test_no_node_id)
 {
-    static const struct make plain = { "no formula", U8("2000", P("1")), "2000:00 01\n", "" };
-    static const struct make formula = {
+    static const struct ccf_make plain = { "no formula", U8("2000", P("1")), "2000:00 01\n", "" };
+    static const struct ccf_make formula = {
         "a formula",
         U8("2000", P("$NODEID+1")),
         NULL,
@@ -283,9 +213,9 @@ START_TEST(test_no_node_id)
     };
     struct dcf_ccf_options options = { .node_id = 0 };
 
-    check_make(&plain, &options);
-    check_make(&formula, &options);
-    ck_assert_int_eq(messages.report.error_kind, DCF_ERROR_WRONG_NODE_ID);
+    ccf_make_check(&plain, &options);
+    ccf_make_check(&formula, &options);
+    ck_assert_int_eq(ccf_make_messages.report.error_kind, DCF_ERROR_WRONG_NODE_ID);
 }
 END_TEST
 
@@ -297,9 +227,9 @@ START_TEST(test_lines)
     struct dcf dcf;
     struct ccf ccf;
 
-    parse(file, &dcf);
-    ck_assert_int_eq(dcf_make_ccf(&dcf, &options, &messages.report, &ccf), CO_OK);
-    ck_assert_str_eq(format(&ccf), "1017:00 F401\n1400:01 06020080\n1400:01 06020000\n");
+    ccf_make_parse(file, &dcf);
+    ck_assert_int_eq(dcf_make_ccf(&dcf, &options, &ccf_make_messages.report, &ccf), CO_OK);
+    ck_assert_str_eq(ccf_make_format(&ccf), "1017:00 F401\n1400:01 06020080\n1400:01 06020000\n");
     ck_assert_uint_eq(ccf_line(&ccf, 1), 5);
     ck_assert_uint_eq(ccf_line(&ccf, 2), 14);
     ck_assert_uint_eq(ccf_line(&ccf, 3), 14);
@@ -314,8 +244,8 @@ START_TEST(test_empty_has_its_count)
     struct dcf dcf;
     struct ccf ccf;
 
-    parse(U8("2000", ""), &dcf);
-    ck_assert_int_eq(dcf_make_ccf(&dcf, &options, &messages.report, &ccf), CO_OK);
+    ccf_make_parse(U8("2000", ""), &dcf);
+    ck_assert_int_eq(dcf_make_ccf(&dcf, &options, &ccf_make_messages.report, &ccf), CO_OK);
     ck_assert_uint_eq(ccf.size, 4);
     ck_assert_uint_eq(ccf_count(&ccf), 0);
     ccf_done(&ccf);
@@ -369,17 +299,17 @@ START_TEST(test_download_file)
 {
     char name[32];
     struct dcf_ccf_options options = { .node_id = 5, .read_file = give_file, .context = name };
-    struct make make = { downloads[_i].name, downloads[_i].dcf, downloads[_i].expected,
-                         downloads[_i].messages };
+    struct ccf_make make = { downloads[_i].name, downloads[_i].dcf, downloads[_i].expected,
+                             downloads[_i].messages };
 
     strcpy(name, downloads[_i].name);
-    check_make(&make, &options);
+    ccf_make_check(&make, &options);
 }
 END_TEST
 
 START_TEST(test_download_file_without_reader)
 {
-    static const struct make make = {
+    static const struct ccf_make make = {
         "nobody reads files",
         FILE_ENTRY("prog.bin"),
         NULL,
@@ -387,7 +317,7 @@ START_TEST(test_download_file_without_reader)
     };
     struct dcf_ccf_options options = { .node_id = 5 };
 
-    check_make(&make, &options);
+    ccf_make_check(&make, &options);
 }
 END_TEST
 

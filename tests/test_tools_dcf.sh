@@ -104,6 +104,14 @@ expect 'its mapping' 0 '*
 1600:01  4  08 01 00 62  = 1644167432
 1400:01*' '' "$ccfread" old.ccf
 
+device 5 >all.dcf
+printf '[2000]\nParameterName=x\nDataType=5\nAccessType=rw\nDefaultValue=7\n' >>all.dcf
+expect 'ParameterValues alone' 0 '' '*' "$dcf2ccf" all.dcf
+expect 'their bytes' 0 '' '' cmp all.ccf device.ccf
+expect '--all' 0 '' '*' "$dcf2ccf" --all all.dcf
+expect 'its DefaultValue' 0 "2000:00  1  07  = 7
+$listing" '' "$ccfread" all.ccf
+
 var 2000 9 'Hello' >text.dcf
 expect 'text' 0 '' '*' "$dcf2ccf" text.dcf
 expect 'ccfread of text' 0 '2000:00  5  48 65 6C 6C 6F  = 478560413000  "Hello"' '' \

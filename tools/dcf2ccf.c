@@ -16,7 +16,7 @@ struct arguments {
     const char *input;
     const char *output; /* NULL: the input's name with .ccf */
     uint8_t node_id;    /* 0: that of the file */
-    bool old_style;
+    bool old_style, all;
 };
 
 static const char help[] =
@@ -27,17 +27,19 @@ static const char help[] =
     "\n"
     "  -n, --node-id ID   node-ID for $NODEID, 1..127 (default: NodeID of the file)\n"
     "  -o, --output FILE  the file to write (default: INPUT with the ending .ccf)\n"
+    "      --all          entries without a ParameterValue as well, with their DefaultValue\n"
     "      --old-style    PDO mapping: the number of entries first, then the entries\n"
     "  -h, --help         shows this\n"
     "      --version      shows the version\n"
     "\n"
     "Exit codes: 0 converted, perhaps with warnings; 2 wrong usage, or an error in a file.\n";
 
-enum { OPTION_OLD_STYLE = 256, OPTION_VERSION };
+enum { OPTION_ALL = 256, OPTION_OLD_STYLE, OPTION_VERSION };
 
 static const struct option options[] = {
     { "node-id", required_argument, NULL, 'n' },
     { "output", required_argument, NULL, 'o' },
+    { "all", no_argument, NULL, OPTION_ALL },
     { "old-style", no_argument, NULL, OPTION_OLD_STYLE },
     { "help", no_argument, NULL, 'h' },
     { "version", no_argument, NULL, OPTION_VERSION },
@@ -62,6 +64,7 @@ static int parse_options(int argc, char **argv, struct arguments *arguments)
                 return usage_error("-n: a node-ID of 1..127 expected");
             break;
         case 'o': arguments->output = optarg; break;
+        case OPTION_ALL: arguments->all = true; break;
         case OPTION_OLD_STYLE: arguments->old_style = true; break;
         case 'h': return fputs(help, stdout) < 0 ? EXIT_TROUBLE : 0;
         case OPTION_VERSION: return tool_print_version("dcf2ccf") ? 0 : EXIT_TROUBLE;
@@ -112,6 +115,7 @@ static enum co_err make_ccf(const struct arguments *arguments, const struct dcf 
 {
     struct dcf_ccf_options ccf_options = { .node_id = arguments->node_id,
                                            .old_style = arguments->old_style,
+                                           .all = arguments->all,
                                            .read_file = read_beside };
     char *folder = file_folder(arguments->input);
     enum co_err err;

@@ -111,6 +111,7 @@ enum co_err dcf_make_od(const struct dcf *self, uint8_t node_id, struct co_repor
 struct dcf_ccf_options {
     uint8_t node_id;
     bool old_style; /* PDO mapping: the number of entries first (Old_Config_Style) */
+    bool all;       /* entries without a ParameterValue as well, with their DefaultValue */
     /* The contents of a DownloadFile named in the DCF, to be freed by free(). NULL: such an
      * entry is an error. */
     enum co_err (*read_file)(void *context, const char *name, uint8_t **ret_bytes,
@@ -122,8 +123,9 @@ struct dcf_ccf_options {
  * The writes that bring a device with default values to the ParameterValues of the file, in the
  * order that devices need: the other objects by index; SYNC (1019h, 1006h, 1005h); error control
  * (100Ch, 100Dh, 1016h, 1017h); each PDO switched off, its parameters, its mapping, switched on;
- * 1020h last. Left out are read-only entries, those that ObjFlags protects, and 1000h, 1001h,
- * 1010h, 1011h, 1018h, 1200h, 1F50h, 1F51h. The result has its count even where it is 0.
+ * 1020h last. Left out are read-only entries, those that ObjFlags protects, 1000h, 1001h, 1010h,
+ * 1011h, 1018h, 1200h, 1F50h, 1F51h, and DefaultValues outside their limits. The result has its
+ * count even where it is 0.
  * CO_ERR_MEMORY, CO_ERR_VALUE (told in the report).
  */
 enum co_err dcf_make_ccf(const struct dcf *self, const struct dcf_ccf_options *options,

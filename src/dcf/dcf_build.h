@@ -81,6 +81,9 @@ void dcf_value_done(struct dcf_value *value);
 bool dcf_entry_downloads(const struct dcf_entry *entry);
 /* An integer value, sign-extended, with the node-ID added. */
 uint64_t dcf_value_number(const struct dcf_value *value, uint8_t type, uint8_t node_id);
+/* True for a value that its entry's limits refuse. */
+bool dcf_value_outside(const struct dcf_entry *entry, const struct dcf_value *value,
+                       uint8_t node_id);
 /* False: a formula that leaves its type with this node-ID. */
 bool dcf_formula_fits(const struct dcf_value *value, uint8_t node_id);
 

@@ -8,22 +8,37 @@
 
 #define PDOS_MAX 512u
 
-bool dcf_maker_writes(const struct dcf_entry *entry)
+/* One that the device refuses as its own limits say is no value to write. */
+static bool is_usable_default(const struct dcf_maker *self, const struct dcf_entry *entry)
 {
-    return (entry->parameter.given || entry->download_file) && dcf_entry_downloads(entry);
+    return entry->initial.given &&
+           !dcf_value_outside(entry, &entry->initial, self->options->node_id);
+}
+
+const struct dcf_value *dcf_maker_value(const struct dcf_maker *self, const struct dcf_entry *entry)
+{
+    if (entry->parameter.given)
+        return &entry->parameter;
+    return self->options->all && is_usable_default(self, entry) ? &entry->initial : NULL;
+}
+
+bool dcf_maker_writes(const struct dcf_maker *self, const struct dcf_entry *entry)
+{
+    return (entry->download_file || dcf_maker_value(self, entry)) && dcf_entry_downloads(entry);
 }
 
 const struct dcf_entry *dcf_maker_find(const struct dcf_maker *self, uint16_t index, uint8_t sub)
 {
     const struct dcf_entry *entry = dcf_find(self->dcf, index, sub);
 
-    return entry && dcf_maker_writes(entry) ? entry : NULL;
+    return entry && dcf_maker_writes(self, entry) ? entry : NULL;
 }
 
 static void append(struct dcf_maker *self, const struct dcf_entry *entry, const uint8_t *bytes,
                    uint32_t size)
 {
-    unsigned line = entry->parameter.given ? entry->parameter.line : entry->line;
+    const struct dcf_value *value = dcf_maker_value(self, entry);
+    unsigned line = value && !entry->download_file ? value->line : entry->line;
 
     if (ccf_append(&self->ccf, entry->index, entry->sub, bytes, size) != CO_OK ||
         ccf_note_line(&self->ccf, line) != CO_OK)
@@ -83,22 +98,19 @@ static void put_file(struct dcf_maker *self, const struct dcf_entry *entry)
     free(bytes);
 }
 
-void dcf_maker_put(struct dcf_maker *self, const struct dcf_entry *entry)
+static void put_value(struct dcf_maker *self, const struct dcf_entry *entry,
+                      const struct dcf_value *value)
 {
-    const struct dcf_value *value = &entry->parameter;
     uint8_t node_id = self->options->node_id;
     uint8_t *bytes;
 
-    if (entry->download_file) {
-        put_file(self, entry);
-        return;
-    }
     if (value->has_node_id && (node_id == 0 || !dcf_formula_fits(value, node_id))) {
         dcf_tell(self->report, node_id == 0 ? DCF_RULE_FORMULA_NODE_ID : DCF_RULE_NODE_ID_FORMULA,
                  value->line,
-                 "%04Xh:%02X ParameterValue: a node-ID expected with which the formula fits "
-                 "%s, it is %u",
-                 entry->index, entry->sub, od_type_name(entry->type), node_id);
+                 "%04Xh:%02X %s: a node-ID expected with which the formula fits %s, it is %u",
+                 entry->index, entry->sub,
+                 value == &entry->parameter ? "ParameterValue" : "DefaultValue",
+                 od_type_name(entry->type), node_id);
         return;
     }
     bytes = malloc(value->size + 1);
@@ -108,6 +120,16 @@ void dcf_maker_put(struct dcf_maker *self, const struct dcf_entry *entry)
     }
     append(self, entry, bytes, dcf_value(value, node_id, bytes));
     free(bytes);
+}
+
+void dcf_maker_put(struct dcf_maker *self, const struct dcf_entry *entry)
+{
+    const struct dcf_value *value = dcf_maker_value(self, entry);
+
+    if (entry->download_file)
+        put_file(self, entry);
+    else if (value)
+        put_value(self, entry, value);
 }
 
 static bool same(const struct dcf_value *a, const struct dcf_value *b)
@@ -157,7 +179,8 @@ static void put_all(struct dcf_maker *self)
 
     for (size_t i = 0; i < dcf->count; i++) {
         tell_refused(self, &dcf->entries[i]);
-        if (place_of(dcf->entries[i].index) == PLACE_BY_INDEX && dcf_maker_writes(&dcf->entries[i]))
+        if (place_of(dcf->entries[i].index) == PLACE_BY_INDEX &&
+            dcf_maker_writes(self, &dcf->entries[i]))
             dcf_maker_put_single(self, &dcf->entries[i]);
     }
     dcf_maker_put_sync(self);

@@ -6,6 +6,9 @@
 #define SYNC_OVERFLOW 0x1019u
 #define SYNC_PRODUCES 0x40000000u
 #define COB_INVALID   0x80000000u
+#define COB_FRAME     0x3FFFFFFFu /* CAN-ID, and whether it is an extended one */
+#define TIME_COB_ID   0x1012u
+#define TIME_IN_USE   0xC0000000u /* consumed, produced */
 #define CONSUMER      0x1016u
 #define CONSUMERS_MAX 127u
 
@@ -16,9 +19,12 @@ static uint64_t initial_number(const struct dcf_maker *self, const struct dcf_en
     return dcf_value_number(&entry->initial, entry->type, self->options->node_id);
 }
 
-static uint64_t parameter_number(const struct dcf_maker *self, const struct dcf_entry *entry)
+/* Of an entry that is written. */
+static uint64_t new_number(const struct dcf_maker *self, const struct dcf_entry *entry)
 {
-    return dcf_value_number(&entry->parameter, entry->type, self->options->node_id);
+    const struct dcf_value *value = dcf_maker_value(self, entry);
+
+    return value ? dcf_value_number(value, entry->type, self->options->node_id) : 0;
 }
 
 static bool may_write(const struct dcf_entry *entry)
@@ -26,26 +32,41 @@ static bool may_write(const struct dcf_entry *entry)
     return entry && dcf_entry_downloads(entry);
 }
 
-/* EMCY, its consumers, SDO channels: bit 31 switches them off. PDOs are elsewhere. */
+/* TIME, EMCY, its consumers, SDO channels. PDOs are elsewhere. */
 static bool is_switched_cob_id(const struct dcf_entry *entry)
 {
     if (entry->type != OD_UNSIGNED32)
         return false;
-    if (entry->index == 0x1014)
+    if (entry->index == 0x1014 || entry->index == TIME_COB_ID)
         return entry->sub == 0;
     if (entry->index == 0x1028)
         return entry->sub != 0;
     return entry->index > 0x1200 && entry->index <= 0x12FF && (entry->sub == 1 || entry->sub == 2);
 }
 
+static bool is_in_use(const struct dcf_entry *entry, uint64_t cob_id)
+{
+    return entry->index == TIME_COB_ID ? (cob_id & TIME_IN_USE) != 0 : (cob_id & COB_INVALID) == 0;
+}
+
+static uint64_t switched_off(const struct dcf_entry *entry, uint64_t cob_id)
+{
+    return entry->index == TIME_COB_ID ? cob_id & ~(uint64_t)TIME_IN_USE : cob_id | COB_INVALID;
+}
+
+/* A device refuses another CAN-ID as long as the old one is in use. */
+static bool changes_in_use(const struct dcf_entry *entry, uint64_t before, uint64_t after)
+{
+    return entry->initial.given && ((before ^ after) & COB_FRAME) != 0 &&
+           is_in_use(entry, before) && is_in_use(entry, after);
+}
+
 void dcf_maker_put_single(struct dcf_maker *self, const struct dcf_entry *entry)
 {
-    uint64_t before = initial_number(self, entry);
-    uint64_t after = entry->parameter.given ? parameter_number(self, entry) : before;
+    uint64_t after = new_number(self, entry);
 
-    if (is_switched_cob_id(entry) && entry->initial.given && before != after &&
-        ((before | after) & COB_INVALID) == 0)
-        dcf_maker_put_number(self, entry, after | COB_INVALID);
+    if (is_switched_cob_id(entry) && changes_in_use(entry, initial_number(self, entry), after))
+        dcf_maker_put_number(self, entry, switched_off(entry, after));
     dcf_maker_put(self, entry);
 }
 
@@ -57,8 +78,8 @@ static bool must_stop(const struct dcf_maker *self, const struct dcf_entry *cob_
 
     if (!may_write(cob_id) || !(initial & SYNC_PRODUCES))
         return false;
-    other_id = dcf_maker_writes(cob_id) &&
-               ((parameter_number(self, cob_id) ^ initial) & ~(uint64_t)SYNC_PRODUCES) != 0;
+    other_id = dcf_maker_writes(self, cob_id) &&
+               ((new_number(self, cob_id) ^ initial) & ~(uint64_t)SYNC_PRODUCES) != 0;
     return other_id || dcf_maker_find(self, SYNC_OVERFLOW, 0);
 }
 
@@ -67,7 +88,7 @@ static void put_or_restore(struct dcf_maker *self, const struct dcf_entry *entry
 {
     if (!entry)
         return;
-    if (dcf_maker_writes(entry))
+    if (dcf_maker_writes(self, entry))
         dcf_maker_put(self, entry);
     else if (restore)
         dcf_maker_put_number(self, entry, initial_number(self, entry));
@@ -107,8 +128,8 @@ static bool consumers_collide(const struct dcf_maker *self)
             continue;
         if (given[node_of(initial_number(self, entry))])
             return true;
-        if (node_of(parameter_number(self, entry)) != 0)
-            given[node_of(parameter_number(self, entry))] = true;
+        if (node_of(new_number(self, entry)) != 0)
+            given[node_of(new_number(self, entry))] = true;
     }
     return false;
 }

@@ -18,7 +18,7 @@ static bool is_written(const struct dcf_maker *self, uint16_t index, unsigned fi
     const struct dcf_entry *entries = dcf_object(self->dcf, index, &count);
 
     for (size_t i = 0; i < count; i++) {
-        if (entries[i].sub >= first && dcf_maker_writes(&entries[i]))
+        if (entries[i].sub >= first && dcf_maker_writes(self, &entries[i]))
             return true;
     }
     return false;
@@ -56,11 +56,14 @@ static uint64_t mapped_object(const struct dcf_maker *self, uint16_t index, unsi
 static unsigned guess_count(const struct dcf_maker *self, uint16_t index)
 {
     const struct dcf_entry *count = dcf_find(self->dcf, index, 0);
-    unsigned last = count && count->initial.given ? count->initial.bytes[0] : 0;
+    bool told = count && count->initial.given;
+    unsigned last = told ? count->initial.bytes[0] : 0;
     unsigned mapped = 0;
 
     for (unsigned sub = 1; sub <= MAPPED_MAX; sub++) {
-        if (dcf_maker_find(self, index, (uint8_t)sub) && sub > last)
+        const struct dcf_entry *entry = dcf_maker_find(self, index, (uint8_t)sub);
+
+        if (entry && (entry->parameter.given || !told) && sub > last)
             last = sub;
     }
     while (mapped < last && mapped_object(self, index, mapped + 1) != 0)
@@ -76,6 +79,18 @@ static bool is_compact(const struct dcf_maker *self, const struct dcf_entry *ent
     return first && first->line == entry->line;
 }
 
+static bool has_parameters(const struct dcf_maker *self, uint16_t index)
+{
+    size_t count;
+    const struct dcf_entry *entries = dcf_object(self->dcf, index, &count);
+
+    for (size_t i = 0; i < count; i++) {
+        if (entries[i].parameter.given)
+            return true;
+    }
+    return false;
+}
+
 static unsigned find_count(const struct dcf_maker *self, uint16_t index)
 {
     const struct dcf_entry *entry = dcf_find(self->dcf, index, 0);
@@ -83,6 +98,8 @@ static unsigned find_count(const struct dcf_maker *self, uint16_t index)
 
     if (entry && entry->parameter.given)
         return entry->parameter.bytes[0];
+    if (entry && entry->initial.given && !has_parameters(self, index))
+        return entry->initial.bytes[0];
     count = guess_count(self, index);
     if (!is_compact(self, entry))
         dcf_tell(self->report, DCF_RULE_MAPPED_COUNT, entry ? entry->line : 0,
@@ -101,11 +118,11 @@ static void put_mapped(struct dcf_maker *self, uint16_t index, unsigned mapped)
     for (size_t i = 0; i < count; i++) {
         const struct dcf_entry *entry = &entries[i];
 
-        if (entry->sub == 0 || !dcf_maker_writes(entry))
+        if (entry->sub == 0 || !dcf_maker_writes(self, entry))
             continue;
         if (entry->sub <= last)
             dcf_maker_put(self, entry);
-        else if (mapped_object(self, index, entry->sub) != 0)
+        else if (entry->parameter.given && mapped_object(self, index, entry->sub) != 0)
             dcf_tell(self->report, DCF_RULE_MAPPED_BEYOND, entry->parameter.line,
                      "%04Xh:%02X: at most %u mapped objects expected (sub-index 0), this is "
                      "one more: not written",
@@ -137,11 +154,11 @@ static void put_parameters(struct dcf_maker *self, uint16_t index)
     for (size_t i = 0; i < count; i++) {
         const struct dcf_entry *entry = &entries[i];
 
-        if (entry->sub < 2 || !dcf_maker_writes(entry))
+        if (entry->sub < 2 || !dcf_maker_writes(self, entry))
             continue;
         if (entry->sub != SUB_RESERVED)
             dcf_maker_put(self, entry);
-        else
+        else if (entry->parameter.given)
             dcf_tell(self->report, DCF_RULE_PDO_RESERVED_SUB, entry->parameter.line,
                      "%04Xh:%02X ParameterValue: none expected, the sub-index is reserved: "
                      "not written",

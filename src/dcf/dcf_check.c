@@ -92,7 +92,7 @@ static struct dcf_shown number_text(const struct dcf_value *value, uint8_t type,
     return shown;
 }
 
-static bool is_outside(const struct dcf_entry *entry, const struct dcf_value *value,
+bool dcf_value_outside(const struct dcf_entry *entry, const struct dcf_value *value,
                        uint8_t node_id)
 {
     return value->given &&
@@ -123,7 +123,7 @@ static void check_value(struct dcf_builder *self, const struct dcf_entry *entry,
                                                       : DCF_RULE_UNWRITTEN_LIMITS;
     char text[300];
 
-    if (!is_outside(entry, value, node_id))
+    if (!dcf_value_outside(entry, value, node_id))
         return;
     snprintf(text, sizeof text, "%s: %s to %s expected (its limits), there is %s",
              parameter ? "ParameterValue" : "DefaultValue",

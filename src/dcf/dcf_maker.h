@@ -14,8 +14,14 @@ struct dcf_maker {
     bool no_memory;
 };
 
-/* True if the entry has a ParameterValue or a file and may be written. */
-bool dcf_maker_writes(const struct dcf_entry *entry);
+/*
+ * What the entry is to have: its ParameterValue; where all is written, else its DefaultValue. NULL:
+ * none.
+ */
+const struct dcf_value *dcf_maker_value(const struct dcf_maker *self,
+                                        const struct dcf_entry *entry);
+/* True if the entry has such a value or a file and may be written. */
+bool dcf_maker_writes(const struct dcf_maker *self, const struct dcf_entry *entry);
 /* The entry that is written, or NULL. */
 const struct dcf_entry *dcf_maker_find(const struct dcf_maker *self, uint16_t index, uint8_t sub);
 

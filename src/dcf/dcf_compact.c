@@ -1,5 +1,6 @@
 /* Compact objects: one section describes all sub-indices, others their names and values. */
 #include "dcf/dcf_build.h"
+#include "dcf/dcf_utf8.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -106,7 +107,7 @@ static void apply_key(struct dcf_builder *self, struct dcf_section *section, str
                       &entry->parameter);
     } else {
         char **text = section->kind == DCF_SECTION_NAME ? &entry->name : &entry->denotation;
-        char *copy = dcf_slice_copy(key->value);
+        char *copy = dcf_utf8_copy(key->value);
 
         self->no_memory |= !copy;
         if (copy) {

@@ -1,6 +1,7 @@
 #include "dcf/dcf_convert.h"
 
 #include "base/bytes.h"
+#include "dcf/dcf_utf8.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -57,38 +58,17 @@ static enum dcf_fit convert_octets(struct dcf_slice text, struct dcf_value *valu
     return DCF_FITS;
 }
 
-/* Length of the UTF-8 character at the beginning, or 1 where it is none. */
-static size_t decode_utf8(struct dcf_slice text, uint32_t *ret_character)
-{
-    uint8_t first = (uint8_t)text.text[0];
-    size_t size = first >= 0xF0 && first < 0xF8 ? 4 : first >= 0xE0 ? 3 : first >= 0xC0 ? 2 : 1;
-    uint32_t character = size == 1 ? first : first & (0xFFu >> (size + 1));
-
-    *ret_character = first;
-    if (size > text.size || first >= 0xF8)
-        return 1;
-    for (size_t i = 1; i < size; i++) {
-        if (((uint8_t)text.text[i] & 0xC0) != 0x80)
-            return 1;
-        character = character << 6 | ((uint8_t)text.text[i] & 0x3Fu);
-    }
-    if (character > 0x10FFFF)
-        return 1;
-    *ret_character = character;
-    return size;
-}
-
 static enum dcf_fit convert_unicode(struct dcf_slice text, struct dcf_value *value,
                                     unsigned *quirks)
 {
+    struct dcf_characters characters = dcf_characters_of(text);
     uint32_t character;
 
     if (convert_hex(text, 4, value))
         return DCF_FITS;
     *quirks |= DCF_QUIRK_TEXT;
     value->size = 0;
-    while (text.size > 0) {
-        text = dcf_slice_skip(text, decode_utf8(text, &character));
+    while (dcf_characters_next(&characters, &character)) {
         if (character > 0xFFFF) {
             append(value, 0xD800u + ((character - 0x10000u) >> 10), 2);
             character = 0xDC00u + (character & 0x3FFu);

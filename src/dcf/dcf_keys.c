@@ -1,4 +1,5 @@
 #include "dcf/dcf_build.h"
+#include "dcf/dcf_utf8.h"
 
 #include "base/bytes.h"
 
@@ -68,7 +69,7 @@ void dcf_key_text(struct dcf_builder *self, struct dcf_section *section, const c
 
     if (!key)
         return;
-    copy = dcf_slice_copy(key->value);
+    copy = dcf_utf8_copy(key->value);
     if (!copy) {
         self->no_memory = true;
         return;

@@ -1,6 +1,7 @@
 #include "dcf/dcf_slice.h"
 
-#include <stdio.h>
+#include "dcf/dcf_utf8.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -115,28 +116,31 @@ bool dcf_slice_hex(struct dcf_slice self, size_t digits, unsigned *ret_number)
     return true;
 }
 
-char *dcf_slice_copy(struct dcf_slice self)
+static bool is_control(uint32_t character)
 {
-    char *copy = malloc(self.size + 1);
-
-    if (!copy)
-        return NULL;
-    if (self.size > 0)
-        memcpy(copy, self.text, self.size);
-    copy[self.size] = '\0';
-    return copy;
+    return character < 0x20 || (character >= 0x7F && character < 0xA0);
 }
 
 struct dcf_shown dcf_show(struct dcf_slice self)
 {
+    struct dcf_characters characters = dcf_characters_of(self);
     struct dcf_shown shown;
-    size_t size = self.size < sizeof shown.text ? self.size : sizeof shown.text - 4;
+    size_t used = 0, whole = 0; /* whole: what is left when dots have to follow */
+    char bytes[DCF_UTF8_SIZE_MAX];
+    uint32_t character;
 
-    for (size_t i = 0; i < size; i++) {
-        unsigned char c = (unsigned char)self.text[i];
+    while (dcf_characters_next(&characters, &character)) {
+        unsigned size = dcf_utf8_put(is_control(character) ? '?' : character, bytes);
 
-        shown.text[i] = c < 0x20 || c == 0x7F ? '?' : (char)c;
+        if (used + size >= sizeof shown.text) {
+            memcpy(shown.text + whole, "...", sizeof "...");
+            return shown;
+        }
+        memcpy(shown.text + used, bytes, size);
+        used += size;
+        if (used + sizeof "..." <= sizeof shown.text)
+            whole = used;
     }
-    snprintf(shown.text + size, sizeof shown.text - size, "%s", size < self.size ? "..." : "");
+    shown.text[used] = '\0';
     return shown;
 }

@@ -12,7 +12,7 @@ struct dcf_slice {
     size_t size;
 };
 
-struct dcf_shown { /* for messages: cut and without control characters */
+struct dcf_shown { /* for messages: UTF-8, cut, without control characters */
     char text[64];
 };
 
@@ -29,8 +29,6 @@ bool dcf_slice_ends(struct dcf_slice self, const char *text);
 bool dcf_slice_decimal(struct dcf_slice self, unsigned most, unsigned *ret_number);
 /* All of it hexadecimal digits, at least one and not more than 'digits'. */
 bool dcf_slice_hex(struct dcf_slice self, size_t digits, unsigned *ret_number);
-/* A copy ended by 0, or NULL: no memory. */
-char *dcf_slice_copy(struct dcf_slice self);
 struct dcf_shown dcf_show(struct dcf_slice self);
 
 bool dcf_is_blank(char c);

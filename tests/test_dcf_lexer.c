@@ -191,6 +191,28 @@ START_TEST(test_long_line)
 }
 END_TEST
 
+/* Bytes are looked at eight at a time: an odd one is seen wherever it is. */
+START_TEST(test_odd_byte_anywhere)
+{
+    static const unsigned char odd[] = { 0x01, 0x1F, 0x20, 0x7F, 0x80, 0xFF, '\t' };
+    static const bool is_told[] = { true, true, false, false, true, true, false };
+    char line[] = "[FileInfo]\nFileName=plain text";
+    size_t end = sizeof line - 1;
+
+    for (size_t i = 0; i < sizeof odd; i++) {
+        for (size_t place = strlen("[FileInfo]\nFileName=p"); place < end; place++) {
+            char kept = line[place];
+
+            line[place] = (char)odd[i];
+            ck_assert_int_eq(lex_bytes(line, end), CO_OK);
+            ck_assert_msg(messages.report.warnings == is_told[i], "%02X at %zu", odd[i], place);
+            done();
+            line[place] = kept;
+        }
+    }
+}
+END_TEST
+
 START_TEST(test_every_truncation)
 {
     static const char file[] = "\xEF\xBB\xBF; x\r\n[1018sub1]\r\nDefaultValue = 5 \r\n[2000Value";
@@ -243,6 +265,7 @@ static Suite *lexer_suite(void)
     tcase_add_loop_test(tests, test_lines, 0, sizeof files / sizeof files[0]);
     tcase_add_loop_test(tests, test_refused, 0, sizeof refused / sizeof refused[0]);
     tcase_add_test(tests, test_long_line);
+    tcase_add_test(tests, test_odd_byte_anywhere);
     tcase_add_test(tests, test_every_truncation);
     tcase_add_test(tests, test_find);
     tcase_add_test(tests, test_show);

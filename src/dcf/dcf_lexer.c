@@ -133,24 +133,48 @@ static enum co_err read_line(struct lexer *self, struct dcf_slice line)
     return line.text[0] == '[' ? read_section(self, line) : read_key(self, line);
 }
 
-/* Cuts the next line from the rest; the line end is CR LF, LF or CR. */
-static struct dcf_slice take_line(struct lexer *self)
+#define EIGHT_BYTES(byte) (UINT64_C(0x0101010101010101) * (byte))
+
+/* All of eight bytes are ASCII and no control characters: the subtraction would borrow. */
+static bool are_plain(const char *text)
+{
+    uint64_t bytes;
+
+    memcpy(&bytes, text, sizeof bytes);
+    return ((bytes | (bytes - EIGHT_BYTES(0x20))) & EIGHT_BYTES(0x80)) == 0;
+}
+
+static size_t scan_line(struct lexer *self)
 {
     struct dcf_slice rest = self->rest;
     bool not_ascii = false, control = false;
     size_t size = 0;
 
-    while (size < rest.size && rest.text[size] != '\n' && rest.text[size] != '\r') {
-        unsigned char c = (unsigned char)rest.text[size++];
+    while (size + 8 <= rest.size && are_plain(rest.text + size))
+        size += 8;
+    for (; size < rest.size; size++) {
+        unsigned char c = (unsigned char)rest.text[size];
 
+        if (c == '\n' || c == '\r')
+            break;
         not_ascii |= c > 0x7F;
         control |= c < 0x20 && c != '\t';
     }
-    self->line++;
     if (not_ascii)
         note(self, &self->not_ascii);
     if (control)
         note(self, &self->control);
+    return size;
+}
+
+/* Cuts the next line from the rest; the line end is CR LF, LF or CR. */
+static struct dcf_slice take_line(struct lexer *self)
+{
+    struct dcf_slice rest = self->rest;
+    size_t size;
+
+    self->line++;
+    size = scan_line(self);
     self->rest = dcf_slice_skip(rest, size);
     if (size + 1 < rest.size && rest.text[size] == '\r' && rest.text[size + 1] == '\n')
         self->rest = dcf_slice_skip(rest, size + 2);

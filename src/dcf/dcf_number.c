@@ -11,12 +11,16 @@
 #define NODE_ID        "$NODEID"
 #define REAL_TEXT_SIZE 128u
 
+static bool begins_comment(const char *text, const char *end)
+{
+    return *text == ';' || *text == '#' || (*text == '/' && end - text > 1 && text[1] == '/');
+}
+
 struct dcf_slice dcf_number_uncomment(struct dcf_slice text, unsigned *ret_quirks)
 {
     size_t size = 0;
 
-    while (size < text.size && text.text[size] != ';' && text.text[size] != '#' &&
-           !dcf_slice_begins(dcf_slice_skip(text, size), "//"))
+    while (size < text.size && !begins_comment(text.text + size, text.text + text.size))
         size++;
     if (size < text.size)
         *ret_quirks |= DCF_QUIRK_COMMENT;
@@ -26,16 +30,16 @@ struct dcf_slice dcf_number_uncomment(struct dcf_slice text, unsigned *ret_quirk
 /* Takes the sign and "0x" off. */
 static struct dcf_slice parse_prefix(struct dcf_slice text, struct dcf_number *number)
 {
-    if (dcf_slice_begins(text, "-") || dcf_slice_begins(text, "+")) {
+    if (text.size > 0 && (text.text[0] == '-' || text.text[0] == '+')) {
         number->negative = text.text[0] == '-';
         text = dcf_slice_skip(text, 1);
     }
-    if (dcf_slice_begins(text, "0x")) {
-        number->hex = true;
+    if (text.size < 2 || text.text[0] != '0')
+        return text;
+    number->hex = text.text[1] == 'x' || text.text[1] == 'X';
+    if (number->hex)
         return dcf_slice_skip(text, 2);
-    }
-    if (text.size > 1 && text.text[0] == '0')
-        number->quirks |= DCF_QUIRK_LEADING_ZERO;
+    number->quirks |= DCF_QUIRK_LEADING_ZERO;
     return text;
 }
 
@@ -58,16 +62,17 @@ static struct dcf_slice cut_suffix(struct dcf_slice text, struct dcf_number *num
 
 static bool parse_integer(struct dcf_slice text, struct dcf_number *number)
 {
-    unsigned base;
+    uint64_t base, most;
 
     text = cut_suffix(parse_prefix(text, number), number);
     base = number->hex ? 16 : 10;
+    most = UINT64_MAX / base;
     for (size_t i = 0; i < text.size; i++) {
         int digit = dcf_hex_digit(text.text[i]);
 
         if (digit < 0 || (unsigned)digit >= base)
             return false;
-        if (number->magnitude > (UINT64_MAX - (unsigned)digit) / base)
+        if (number->magnitude >= most && number->magnitude > (UINT64_MAX - (unsigned)digit) / base)
             number->too_large = true;
         number->magnitude = number->magnitude * base + (unsigned)digit;
     }

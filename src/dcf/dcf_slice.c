@@ -5,11 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool dcf_is_blank(char c)
-{
-    return c == ' ' || c == '\t' || c == '\v' || c == '\f' || c == '\0';
-}
-
 static char fold(char c)
 {
     return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
@@ -26,28 +21,9 @@ int dcf_hex_digit(char c)
     return -1;
 }
 
-struct dcf_slice dcf_slice_of(const char *text)
+static bool same(char a, char b)
 {
-    return (struct dcf_slice){ text, strlen(text) };
-}
-
-struct dcf_slice dcf_slice_trim(struct dcf_slice self)
-{
-    while (self.size > 0 && dcf_is_blank(self.text[0]))
-        self = dcf_slice_skip(self, 1);
-    while (self.size > 0 && dcf_is_blank(self.text[self.size - 1]))
-        self.size--;
-    return self;
-}
-
-struct dcf_slice dcf_slice_skip(struct dcf_slice self, size_t count)
-{
-    return (struct dcf_slice){ self.text + count, self.size - count };
-}
-
-struct dcf_slice dcf_slice_cut(struct dcf_slice self, size_t size)
-{
-    return (struct dcf_slice){ self.text, size };
+    return a == b || fold(a) == fold(b);
 }
 
 int dcf_slice_compare(struct dcf_slice a, struct dcf_slice b)
@@ -55,24 +31,32 @@ int dcf_slice_compare(struct dcf_slice a, struct dcf_slice b)
     size_t size = a.size < b.size ? a.size : b.size;
 
     for (size_t i = 0; i < size; i++) {
-        int difference = fold(a.text[i]) - fold(b.text[i]);
-
-        if (difference != 0)
-            return difference;
+        if (!same(a.text[i], b.text[i]))
+            return fold(a.text[i]) - fold(b.text[i]);
     }
     return (a.size > b.size) - (a.size < b.size);
 }
 
+/* How much of 'text' is at the beginning. */
+static size_t count_common(struct dcf_slice self, const char *text)
+{
+    size_t count = 0;
+
+    while (count < self.size && text[count] != '\0' && same(self.text[count], text[count]))
+        count++;
+    return count;
+}
+
 bool dcf_slice_is(struct dcf_slice self, const char *text)
 {
-    return dcf_slice_compare(self, dcf_slice_of(text)) == 0;
+    size_t common = count_common(self, text);
+
+    return common == self.size && text[common] == '\0';
 }
 
 bool dcf_slice_begins(struct dcf_slice self, const char *text)
 {
-    size_t size = strlen(text);
-
-    return self.size >= size && dcf_slice_is(dcf_slice_cut(self, size), text);
+    return text[count_common(self, text)] == '\0';
 }
 
 bool dcf_slice_ends(struct dcf_slice self, const char *text)

@@ -6,6 +6,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <string.h>
 
 struct dcf_slice {
     const char *text;
@@ -16,10 +17,37 @@ struct dcf_shown { /* for messages: UTF-8, cut, without control characters */
     char text[64];
 };
 
-struct dcf_slice dcf_slice_of(const char *text);
-struct dcf_slice dcf_slice_trim(struct dcf_slice self);
-struct dcf_slice dcf_slice_skip(struct dcf_slice self, size_t count);
-struct dcf_slice dcf_slice_cut(struct dcf_slice self, size_t size);
+static inline bool dcf_is_blank(char c)
+{
+    return c == ' ' || c == '\t' || c == '\v' || c == '\f' || c == '\0';
+}
+
+static inline struct dcf_slice dcf_slice_of(const char *text)
+{
+    return (struct dcf_slice){ text, strlen(text) };
+}
+
+static inline struct dcf_slice dcf_slice_skip(struct dcf_slice self, size_t count)
+{
+    return (struct dcf_slice){ self.text + count, self.size - count };
+}
+
+static inline struct dcf_slice dcf_slice_cut(struct dcf_slice self, size_t size)
+{
+    return (struct dcf_slice){ self.text, size };
+}
+
+static inline struct dcf_slice dcf_slice_trim(struct dcf_slice self)
+{
+    while (self.size > 0 && dcf_is_blank(self.text[0]))
+        self = dcf_slice_skip(self, 1);
+    while (self.size > 0 && dcf_is_blank(self.text[self.size - 1]))
+        self.size--;
+    return self;
+}
+
+int dcf_hex_digit(char c); /* -1: none */
+
 /* Of ASCII letters only, whatever the locale. */
 int dcf_slice_compare(struct dcf_slice a, struct dcf_slice b);
 bool dcf_slice_is(struct dcf_slice self, const char *text);
@@ -30,8 +58,5 @@ bool dcf_slice_decimal(struct dcf_slice self, unsigned most, unsigned *ret_numbe
 /* All of it hexadecimal digits, at least one and not more than 'digits'. */
 bool dcf_slice_hex(struct dcf_slice self, size_t digits, unsigned *ret_number);
 struct dcf_shown dcf_show(struct dcf_slice self);
-
-bool dcf_is_blank(char c);
-int dcf_hex_digit(char c); /* -1: none */
 
 #endif

@@ -16,12 +16,14 @@ import sys
 
 import bus_rows
 import count_rows
+import dcf_rows
 import transfer_rows
 from rows import ROOT, Bench
 
 BUS_MINUTES = 14
 LANES = bus_rows.ROWS, transfer_rows.SHORT, transfer_rows.LONG  # each has 15 minutes in run.sh
 ON_BUS = sum(LANES, [])
+HERE = count_rows.ROWS + dcf_rows.ROWS  # no bus
 
 
 def run_rows(rows, bench, names):
@@ -86,7 +88,7 @@ def measure(options):
     else:
         results, place = run_lanes(options)
     here = Bench(options.build, f"virtual:bench-{os.getpid()}", options.smoke)
-    return results + run_rows(count_rows.ROWS, here, options.rows), place
+    return results + run_rows(HERE, here, options.rows), place
 
 
 # --- printing ---
@@ -134,7 +136,7 @@ def parse(arguments):
     parser.add_argument("--smoke", action="store_true", help="few frames, once: does it work?")
     parser.add_argument("--bus", help="a CAN interface that is up")
     parser.add_argument("--results", help=argparse.SUPPRESS)  # rows on the bus only, to this file
-    names = [row.name for row in ON_BUS + count_rows.ROWS]
+    names = [row.name for row in ON_BUS + HERE]
     parser.add_argument("rows", nargs="*", metavar="ROW", help="only these: " + " ".join(names))
     options = parser.parse_args(arguments)
     unknown = set(options.rows) - set(names)

@@ -124,12 +124,38 @@ static const struct {
       "6: warning: a section of CiA 306 expected, there is [MaFixed]: ignored\n"
       "7: warning: a section of CiA 306 expected, there is [Toolx]: ignored\n"
       "8: warning: a section of CiA 306 expected, there is [1018sub00001]: ignored\n" },
-    { "known sections without use here",
-      "[M1ModuleInfo]\n[M12Fixed6000sub1]\n[M1SubExtends]\n[Tool1]\n[Tools]\n[Comments]\n"
-      "[DynamicChannels]\n[1600ObjectLinks]\n",
-      "[M1ModuleInfo]1 [M12Fixed6000sub1]2 [M1SubExtends]3 [Tool1]4 [Tools]5 [Comments]6 "
-      "[DynamicChannels]7 [1600ObjectLinks]8 ",
+    { "sections of modules and tools, by their numbers",
+      "[M10SubExt6000]\n[M2Fixed6000sub1]\n[M2SubExtends]\n[Tool2]\n[Tool1]\n[M2ModuleInfo]\n"
+      "[m2fixed6000]\n[Tools]\n[Comments]\n[DynamicChannels]\n[1600ObjectLinks]\n[1600]\n"
+      "[M2FixedObjects]\n[M2Comments]\n[M2SubExt6000]\n",
+      "[Comments]9 [DynamicChannels]10 [Tools]8 [1600]12 [1600ObjectLinks]11 [M2ModuleInfo]6 "
+      "[M2Comments]14 [M2FixedObjects]13 [M2SubExtends]3 [m2fixed6000]7 [M2Fixed6000sub1]2 "
+      "[M2SubExt6000]15 [M10SubExt6000]1 [Tool1]5 [Tool2]4 ",
       "" },
+    { "the sections of modules are the same only with the same number",
+      "[M1Fixed2000]\nA=1\n[M2Fixed2000]\nA=2\n[2000]\nA=3\n[M1Fixed2000]\nB=4\n",
+      "[2000]5 A=3@6 [M1Fixed2000]7 A=1@2 B=4@8 [M2Fixed2000]3 A=2@4 ",
+      "7: warning: [M1Fixed2000]: expected once, it is also in line 1: keys of both are taken, of "
+      "the same ones the later\n" },
+    { "odd names of modules and tools", "[M01ModuleInfo]\n[Tool01]\n[M1Fixed2000sub01]\n",
+      "[M01ModuleInfo]1 [M1Fixed2000sub01]3 [Tool01]2 ",
+      "1: warning: [M1...] expected, there is [M01ModuleInfo]\n"
+      "2: warning: [Tool1...] expected, there is [Tool01]\n"
+      "3: warning: [M1Fixed2000sub1] expected, there is [M1Fixed2000sub01]\n" },
+    { "no modules and tools",
+      "[M0ModuleInfo]\n[M65536Comments]\n[M1Fixed]\n[M1Fixed200]\n[M1SubExt6000sub1]\n[M1X]\n"
+      "[M1Fixed2000x]\n[Tool0]\n[Tool1x]\n",
+      "[M0ModuleInfo]1 [M65536Comments]2 [M1Fixed]3 [M1Fixed200]4 [M1SubExt6000sub1]5 [M1X]6 "
+      "[M1Fixed2000x]7 [Tool0]8 [Tool1x]9 ",
+      "1: warning: a section of CiA 306 expected, there is [M0ModuleInfo]: ignored\n"
+      "2: warning: a section of CiA 306 expected, there is [M65536Comments]: ignored\n"
+      "3: warning: a section of CiA 306 expected, there is [M1Fixed]: ignored\n"
+      "4: warning: a section of CiA 306 expected, there is [M1Fixed200]: ignored\n"
+      "5: warning: a section of CiA 306 expected, there is [M1SubExt6000sub1]: ignored\n"
+      "6: warning: a section of CiA 306 expected, there is [M1X]: ignored\n"
+      "7: warning: a section of CiA 306 expected, there is [M1Fixed2000x]: ignored\n"
+      "8: warning: a section of CiA 306 expected, there is [Tool0]: ignored\n"
+      "9: warning: a section of CiA 306 expected, there is [Tool1x]: ignored\n" },
 };
 
 START_TEST(test_lines)

@@ -28,12 +28,23 @@ enum dcf_section_kind {
     DCF_SECTION_MANUFACTURER,
     DCF_SECTION_SUPPORTED_MODULES,
     DCF_SECTION_CONNECTED_MODULES,
+    DCF_SECTION_COMMENTS,
+    DCF_SECTION_DYNAMIC_CHANNELS,
+    DCF_SECTION_TOOLS,
     DCF_SECTION_OBJECT, /* [1018] */
     DCF_SECTION_SUB,    /* [1018sub1] */
     DCF_SECTION_NAME,   /* [1016Name] and the following: of compact objects */
     DCF_SECTION_VALUE,
     DCF_SECTION_DENOTATION,
-    DCF_SECTION_IGNORED, /* known, but of no use here: comments, links, modules, tools, channels */
+    DCF_SECTION_LINKS,       /* [1018ObjectLinks] */
+    DCF_SECTION_MODULE_INFO, /* [M1ModuleInfo] and the following: of modules, by their number */
+    DCF_SECTION_MODULE_COMMENTS,
+    DCF_SECTION_FIXED_LIST,     /* [M1FixedObjects] */
+    DCF_SECTION_EXTENSION_LIST, /* [M1SubExtends] */
+    DCF_SECTION_FIXED,          /* [M1Fixed2000] */
+    DCF_SECTION_FIXED_SUB,      /* [M1Fixed2000sub1] */
+    DCF_SECTION_EXTENSION,      /* [M1SubExt6000] */
+    DCF_SECTION_TOOL,           /* [Tool1] */
     DCF_SECTION_UNKNOWN
 };
 
@@ -49,8 +60,10 @@ struct dcf_section {
     struct dcf_slice name; /* as in the file, without the brackets */
     unsigned line;
     enum dcf_section_kind kind;
+    uint16_t part;  /* number of the module or tool; 0: the device itself */
     uint16_t index; /* of object sections */
     uint8_t sub;
+    bool listed;     /* for who reads lists: its index was in one */
     uint32_t number; /* in the order of the file */
     struct dcf_key *keys;
     size_t count;
@@ -68,11 +81,14 @@ enum co_err dcf_lex(const char *text, size_t size, struct co_report *report,
                     struct dcf_text *ret_text);
 void dcf_text_done(struct dcf_text *self);
 
-/* The section of an information kind, or NULL. */
+/* The section of an information kind, or the first tool, or NULL. */
 struct dcf_section *dcf_text_find(const struct dcf_text *self, enum dcf_section_kind kind);
 
 /* The key, marked as used, or NULL where it is missing or empty. */
 const struct dcf_key *dcf_section_find(struct dcf_section *self, const char *name);
+
+/* For dcf_lex(): what the name of the section tells. */
+void dcf_section_know(struct dcf_section *section, struct co_report *report);
 
 /* For dcf_lex(): knows the sections, sorts and merges sections and keys. */
 enum co_err dcf_text_sort(struct dcf_text *self, struct co_report *report);

@@ -152,7 +152,7 @@ static void build_orphans(struct dcf_builder *self, struct group *group)
 
 static bool is_of_object(const struct dcf_text *text, size_t place)
 {
-    return place < text->section_count && text->sections[place].kind < DCF_SECTION_IGNORED;
+    return place < text->section_count && text->sections[place].kind <= DCF_SECTION_LINKS;
 }
 
 /* 255 stands in files for "as many as there can be". */

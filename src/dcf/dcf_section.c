@@ -1,139 +1,25 @@
-/* Knows the names of sections, sorts sections and keys, merges what comes twice. */
+/* Sorts sections and keys, merges what comes twice. */
 #include "dcf/dcf_lexer.h"
 
 #include "dcf/dcf_rules.h"
 
 #include <stdlib.h>
 
-#define INDEX_DIGITS 4u
-#define NO_ORDER     UINT64_MAX
-
-static const struct {
-    const char *name;
-    enum dcf_section_kind kind;
-} known[] = {
-    { "FileInfo", DCF_SECTION_FILE_INFO },
-    { "DeviceInfo", DCF_SECTION_DEVICE_INFO },
-    { "DummyUsage", DCF_SECTION_DUMMY_USAGE },
-    { "DeviceComissioning", DCF_SECTION_COMMISSIONING },
-    { "DeviceCommissioning", DCF_SECTION_COMMISSIONING },
-    { "MandatoryObjects", DCF_SECTION_MANDATORY },
-    { "OptionalObjects", DCF_SECTION_OPTIONAL },
-    { "ManufacturerObjects", DCF_SECTION_MANUFACTURER },
-    { "SupportedModules", DCF_SECTION_SUPPORTED_MODULES },
-    { "ConnectedModules", DCF_SECTION_CONNECTED_MODULES },
-    { "Comments", DCF_SECTION_IGNORED },
-    { "DynamicChannels", DCF_SECTION_IGNORED },
-    { "Tools", DCF_SECTION_IGNORED },
-};
-
-static const struct {
-    const char *suffix;
-    enum dcf_section_kind kind;
-} object_parts[] = {
-    { "", DCF_SECTION_OBJECT },
-    { "Name", DCF_SECTION_NAME },
-    { "Value", DCF_SECTION_VALUE },
-    { "Denotation", DCF_SECTION_DENOTATION },
-    { "ObjectLinks", DCF_SECTION_IGNORED },
-};
-
-/* "sub1F", also "sub01" and "sub 1". */
-static bool is_sub(struct dcf_slice rest, struct co_report *report, struct dcf_section *section)
-{
-    struct dcf_slice digits;
-    unsigned sub;
-
-    if (!dcf_slice_begins(rest, "sub"))
-        return false;
-    digits = dcf_slice_trim(dcf_slice_skip(rest, 3));
-    if (!dcf_slice_hex(digits, INDEX_DIGITS, &sub) || sub > 0xFF)
-        return false;
-    if (digits.size + 3 != rest.size || (digits.size > 1 && digits.text[0] == '0'))
-        dcf_tell(report, DCF_RULE_SECTION_NAME, section->line,
-                 "[%04Xsub%X] expected, there is [%s]", section->index, sub,
-                 dcf_show(section->name).text);
-    section->kind = DCF_SECTION_SUB;
-    section->sub = (uint8_t)sub;
-    return true;
-}
-
-/* A section whose name begins with an index. */
-static bool is_object(struct co_report *report, struct dcf_section *section)
-{
-    struct dcf_slice name = section->name;
-    unsigned index;
-
-    if (dcf_slice_begins(name, "0x"))
-        name = dcf_slice_skip(name, 2);
-    if (name.size < INDEX_DIGITS ||
-        !dcf_slice_hex(dcf_slice_cut(name, INDEX_DIGITS), INDEX_DIGITS, &index))
-        return false;
-    section->index = (uint16_t)index;
-    if (name.size != section->name.size)
-        dcf_tell(report, DCF_RULE_SECTION_NAME, section->line, "[%04X...] expected, there is [%s]",
-                 index, dcf_show(section->name).text);
-    name = dcf_slice_trim(dcf_slice_skip(name, INDEX_DIGITS));
-    for (size_t i = 0; i < sizeof object_parts / sizeof object_parts[0]; i++) {
-        if (dcf_slice_is(name, object_parts[i].suffix)) {
-            section->kind = object_parts[i].kind;
-            return true;
-        }
-    }
-    return is_sub(name, report, section);
-}
-
-/* "M1ModuleInfo", "M12Fixed6000sub1", "Tool1" */
-static bool is_module_or_tool(struct dcf_slice name)
-{
-    bool module = dcf_slice_begins(name, "M");
-    size_t skip = module ? 1 : dcf_slice_begins(name, "Tool") ? 4 : 0;
-    size_t digits = skip;
-
-    while (digits < name.size && name.text[digits] >= '0' && name.text[digits] <= '9')
-        digits++;
-    if (skip == 0 || digits == skip)
-        return false;
-    name = dcf_slice_skip(name, digits);
-    if (!module)
-        return name.size == 0;
-    return dcf_slice_is(name, "ModuleInfo") || dcf_slice_is(name, "Comments") ||
-           dcf_slice_begins(name, "Fixed") || dcf_slice_begins(name, "SubExt");
-}
-
-static void classify(struct dcf_section *section, struct co_report *report)
-{
-    section->kind = DCF_SECTION_UNKNOWN;
-    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
-        if (dcf_slice_is(section->name, known[i].name)) {
-            section->kind = known[i].kind;
-            break;
-        }
-    }
-    if (dcf_slice_is(section->name, "DeviceCommissioning"))
-        dcf_tell(report, DCF_RULE_COMMISSIONING_NAME, section->line,
-                 "[DeviceComissioning] expected (so the standard spells it), there is [%s]",
-                 dcf_show(section->name).text);
-    if (section->kind != DCF_SECTION_UNKNOWN || is_object(report, section))
-        return;
-    section->kind = DCF_SECTION_UNKNOWN;
-    if (is_module_or_tool(section->name))
-        section->kind = DCF_SECTION_IGNORED;
-    else
-        dcf_tell(report, DCF_RULE_UNKNOWN_SECTION, section->line,
-                 "a section of CiA 306 expected, there is [%s]: ignored",
-                 dcf_show(section->name).text);
-}
+#define NO_ORDER UINT64_MAX
 
 /* Equal for sections that are the same one. */
 static uint64_t order(const struct dcf_section *section)
 {
-    if (section->kind >= DCF_SECTION_IGNORED)
+    uint64_t group = section->kind < DCF_SECTION_OBJECT        ? 0
+                     : section->kind < DCF_SECTION_MODULE_INFO ? 1
+                                                               : 2;
+
+    if (section->kind == DCF_SECTION_UNKNOWN)
         return NO_ORDER;
-    if (section->kind < DCF_SECTION_OBJECT)
-        return (uint64_t)section->kind;
-    return (uint64_t)1 << 32 | (uint64_t)section->index << 16 | (uint64_t)section->kind << 8 |
-           section->sub;
+    if (section->kind == DCF_SECTION_TOOL)
+        group = 3;
+    return group << 48 | (uint64_t)section->part << 32 | (uint64_t)section->index << 16 |
+           (uint64_t)section->kind << 8 | section->sub;
 }
 
 static int compare_sections(const void *left, const void *right)
@@ -185,7 +71,7 @@ static void tell_twice(const struct dcf_text *self, struct co_report *report,
 {
     const struct dcf_section *section = &self->sections[again->section];
 
-    if (section->kind >= DCF_SECTION_IGNORED)
+    if (section->kind == DCF_SECTION_UNKNOWN)
         return;
     dcf_tell(report, DCF_RULE_DOUBLE_KEY, again->line,
              "[%s] %s: expected once, it is also in line %u: \"%s\" counts, not \"%s\"",
@@ -222,7 +108,7 @@ enum co_err dcf_text_sort(struct dcf_text *self, struct co_report *report)
     if (!places)
         return CO_ERR_MEMORY;
     for (size_t i = 0; i < self->section_count; i++)
-        classify(&self->sections[i], report);
+        dcf_section_know(&self->sections[i], report);
     qsort(self->sections, self->section_count, sizeof *self->sections, compare_sections);
     merge_sections(self, report, places);
     for (size_t i = 0; i < self->key_count; i++)
@@ -236,13 +122,18 @@ enum co_err dcf_text_sort(struct dcf_text *self, struct co_report *report)
 
 struct dcf_section *dcf_text_find(const struct dcf_text *self, enum dcf_section_kind kind)
 {
-    for (size_t i = 0; i < self->section_count; i++) {
-        if (self->sections[i].kind == kind)
-            return &self->sections[i];
-        if (self->sections[i].kind > kind)
-            break;
+    size_t low = 0, high = self->section_count;
+
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+
+        if (self->sections[middle].kind < kind)
+            low = middle + 1;
+        else
+            high = middle;
     }
-    return NULL;
+    return low < self->section_count && self->sections[low].kind == kind ? &self->sections[low]
+                                                                         : NULL;
 }
 
 const struct dcf_key *dcf_section_find(struct dcf_section *self, const char *name)

@@ -32,6 +32,8 @@ void dcf_done(struct dcf *self)
     free(self->vendor_name);
     free(self->product_name);
     free(self->node_name);
+    free(self->file_name);
+    free(self->last_eds);
     free(self->modification_date);
     free(self->modification_time);
     *self = (struct dcf){ .count = 0 };

@@ -70,9 +70,13 @@ struct dcf {
     /* [DeviceInfo] */
     char *vendor_name;
     char *product_name;
+    bool has_device_info;
     uint32_t vendor_number, product_number, revision_number;
+    unsigned vendor_number_line, product_number_line, revision_number_line; /* 0: not given */
     uint16_t bit_rates; /* bit i: 10, 20, 50, 125, 250, 500, 800, 1000 kbit/s */
     uint8_t granularity;
+    unsigned granularity_line; /* 0: not given */
+    bool group_messaging;
     uint8_t dummy_usage; /* bit i: dummy 000ih may be mapped */
     uint16_t rx_pdos, tx_pdos;
     /* [DeviceComissioning]; is_dcf tells whether it is there */
@@ -83,7 +87,13 @@ struct dcf {
     char *node_name;
     unsigned baudrate; /* kbit/s; 0: not given */
     unsigned baudrate_line;
-    /* [FileInfo] LastEDS / dates as text, or NULL */
+    bool is_manager; /* CANopenManager */
+    unsigned is_manager_line;
+    /* [FileInfo], or NULL */
+    char *file_name;
+    unsigned file_name_line;
+    char *last_eds;
+    unsigned last_eds_line;
     char *modification_date;
     char *modification_time;
 };

@@ -36,6 +36,8 @@ struct dcf_entry *dcf_build_entry(struct dcf_builder *self, uint16_t index, uint
 /* dcf_entry.c: one section's keys into an entry */
 void dcf_fill_entry(struct dcf_builder *self, struct dcf_section *section, struct dcf_entry *entry);
 
+const char *dcf_access_text(uint8_t access);
+
 /* dcf_compact.c */
 void dcf_build_compact(struct dcf_builder *self, struct dcf_section *section, unsigned count);
 void dcf_apply_compact_lists(struct dcf_builder *self);
@@ -79,6 +81,8 @@ void dcf_value_done(struct dcf_value *value);
  * that configurations leave alone (1010h, 1018h, ...).
  */
 bool dcf_entry_downloads(const struct dcf_entry *entry);
+/* A number as people write it; "(none)". */
+struct dcf_shown dcf_number_text(const struct dcf_value *value, uint8_t type, uint8_t node_id);
 /* An integer value, sign-extended, with the node-ID added. */
 uint64_t dcf_value_number(const struct dcf_value *value, uint8_t type, uint8_t node_id);
 /* True for a value that its entry's limits refuse. */

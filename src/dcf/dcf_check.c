@@ -75,7 +75,7 @@ static int compare(const struct dcf_value *left, const struct dcf_value *right, 
     return (a > b) - (a < b);
 }
 
-static struct dcf_shown number_text(const struct dcf_value *value, uint8_t type, uint8_t node_id)
+struct dcf_shown dcf_number_text(const struct dcf_value *value, uint8_t type, uint8_t node_id)
 {
     struct dcf_shown shown = { "(none)" };
     uint64_t number;
@@ -108,8 +108,8 @@ static void check_limits(struct dcf_builder *self, struct dcf_entry *entry, uint
     dcf_tell(self->report, DCF_RULE_LIMIT_ORDER, entry->low.line,
              "%04Xh:%02X: LowLimit up to HighLimit expected, there are %s and %s: both are "
              "ignored",
-             entry->index, entry->sub, number_text(&entry->low, entry->type, node_id).text,
-             number_text(&entry->high, entry->type, node_id).text);
+             entry->index, entry->sub, dcf_number_text(&entry->low, entry->type, node_id).text,
+             dcf_number_text(&entry->high, entry->type, node_id).text);
     dcf_value_done(&entry->low);
     dcf_value_done(&entry->high);
 }
@@ -127,9 +127,9 @@ static void check_value(struct dcf_builder *self, const struct dcf_entry *entry,
         return;
     snprintf(text, sizeof text, "%s: %s to %s expected (its limits), there is %s",
              parameter ? "ParameterValue" : "DefaultValue",
-             number_text(&entry->low, entry->type, node_id).text,
-             number_text(&entry->high, entry->type, node_id).text,
-             number_text(value, entry->type, node_id).text);
+             dcf_number_text(&entry->low, entry->type, node_id).text,
+             dcf_number_text(&entry->high, entry->type, node_id).text,
+             dcf_number_text(value, entry->type, node_id).text);
     dcf_tell(self->report, rule, value->line, "%04Xh:%02X %s", entry->index, entry->sub, text);
 }
 

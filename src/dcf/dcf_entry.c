@@ -16,6 +16,15 @@ static const struct {
     { "rwr", OD_RWR }, { "rww", OD_RWW }, { "const", OD_CONST },
 };
 
+const char *dcf_access_text(uint8_t access)
+{
+    for (size_t i = 0; i < sizeof accesses / sizeof accesses[0]; i++) {
+        if (accesses[i].access == access)
+            return accesses[i].text;
+    }
+    return "none";
+}
+
 /* The letters at the beginning: "rw # comment" is "rw". */
 static struct dcf_slice first_word(struct dcf_slice text)
 {

@@ -23,6 +23,14 @@ static struct dcf_section *find_section(struct dcf_builder *self, enum dcf_secti
     return section;
 }
 
+/* 0: not given */
+static unsigned line_of(struct dcf_section *section, const char *name)
+{
+    const struct dcf_key *key = dcf_section_find(section, name);
+
+    return key ? key->line : 0;
+}
+
 static void expect_text(struct dcf_builder *self, struct dcf_section *section, const char *name)
 {
     if (!dcf_section_find(section, name))
@@ -65,12 +73,16 @@ static void check_form(struct dcf_builder *self, struct dcf_section *section, en
 
 static void build_file_info(struct dcf_builder *self)
 {
-    static const char *const others[] = { "Description", "CreatedBy", "ModifiedBy", "LastEDS" };
+    static const char *const others[] = { "Description", "CreatedBy", "ModifiedBy" };
     struct dcf_section *section = find_section(self, DCF_SECTION_FILE_INFO, "FileInfo");
 
     if (!section)
         return;
     expect_text(self, section, "FileName");
+    dcf_key_text(self, section, "FileName", &self->dcf->file_name);
+    dcf_key_text(self, section, "LastEDS", &self->dcf->last_eds);
+    self->dcf->file_name_line = line_of(section, "FileName");
+    self->dcf->last_eds_line = line_of(section, "LastEDS");
     dcf_key_number(self, section, "FileVersion", UINT8_MAX, 0);
     dcf_key_number(self, section, "FileRevision", UINT8_MAX, 0);
     check_form(self, section, DCF_RULE_EDS_VERSION, "EDSVersion", "9.9", "3.0 or 4.0");
@@ -99,15 +111,15 @@ static void build_bit_rates(struct dcf_builder *self, struct dcf_section *sectio
 
 static void build_device_info(struct dcf_builder *self)
 {
-    static const char *const others[] = {
-        "OrderCode",      "SimpleBootUpMaster", "SimpleBootUpSlave",     "DynamicChannelsSupported",
-        "GroupMessaging", "LSS_Supported",      "CANopenSafetySupported"
-    };
+    static const char *const others[] = { "OrderCode",         "SimpleBootUpMaster",
+                                          "SimpleBootUpSlave", "DynamicChannelsSupported",
+                                          "LSS_Supported",     "CANopenSafetySupported" };
     struct dcf_section *section = find_section(self, DCF_SECTION_DEVICE_INFO, "DeviceInfo");
     struct dcf *dcf = self->dcf;
 
     if (!section)
         return;
+    dcf->has_device_info = true;
     expect_text(self, section, "VendorName");
     expect_text(self, section, "ProductName");
     dcf_key_text(self, section, "VendorName", &dcf->vendor_name);
@@ -115,6 +127,11 @@ static void build_device_info(struct dcf_builder *self)
     dcf->vendor_number = dcf_key_number(self, section, "VendorNumber", UINT32_MAX, 0);
     dcf->product_number = dcf_key_number(self, section, "ProductNumber", UINT32_MAX, 0);
     dcf->revision_number = dcf_key_number(self, section, "RevisionNumber", UINT32_MAX, 0);
+    dcf->vendor_number_line = line_of(section, "VendorNumber");
+    dcf->product_number_line = line_of(section, "ProductNumber");
+    dcf->revision_number_line = line_of(section, "RevisionNumber");
+    dcf->granularity_line = line_of(section, "Granularity");
+    dcf->group_messaging = dcf_key_flag(self, section, "GroupMessaging");
     build_bit_rates(self, section);
     dcf->granularity = (uint8_t)dcf_key_number(self, section, "Granularity", GRANULARITY_MAX, 0);
     dcf->rx_pdos = (uint16_t)dcf_key_number(self, section, "NrOfRXPDO", PDOS_MAX, 0);
@@ -205,8 +222,8 @@ static void build_bit_rate(struct dcf_builder *self, struct dcf_section *section
 
 static void build_commissioning(struct dcf_builder *self)
 {
-    static const char *const others[] = { "NetNumber",        "NetworkName", "CANopenManager",
-                                          "LSS_SerialNumber", "NodeRefd",    "NetRefd" };
+    static const char *const others[] = { "NetNumber", "NetworkName", "LSS_SerialNumber",
+                                          "NodeRefd", "NetRefd" };
     struct dcf_section *section = dcf_text_find(&self->text, DCF_SECTION_COMMISSIONING);
 
     if (!section)
@@ -215,6 +232,8 @@ static void build_commissioning(struct dcf_builder *self)
     build_node_id(self, section);
     build_bit_rate(self, section);
     dcf_key_text(self, section, "NodeName", &self->dcf->node_name);
+    self->dcf->is_manager = dcf_key_flag(self, section, "CANopenManager");
+    self->dcf->is_manager_line = line_of(section, "CANopenManager");
     use_keys(section, others, sizeof others / sizeof others[0]);
     dcf_tell_unused(self, section);
 }

@@ -1,0 +1,74 @@
+/* Sub-indices of an object against each other. */
+#include "dcf/dcf_lint_parts.h"
+
+#define OBJECT_ARRAY 8u
+
+#define ERROR_FIELD   0x1003u
+#define STRUCTURE_SUB 0xFFu
+
+static unsigned highest_sub(const struct dcf_lint_object *object)
+{
+    size_t last = object->count - 1;
+
+    if (last > 0 && object->entries[last].sub == STRUCTURE_SUB)
+        last--;
+    return object->entries[last].sub;
+}
+
+static bool has_subs(const struct dcf_lint_object *object)
+{
+    return object->count > 1 && object->entries[0].sub == 0 &&
+           object->entries[0].type == OD_UNSIGNED8;
+}
+
+/* One that can be written tells how many are in use. */
+static bool counts_used(const struct dcf_entry *first, unsigned highest)
+{
+    return first->access != OD_RO && first->access != OD_CONST && first->initial.bytes[0] < highest;
+}
+
+static void check_highest_sub(const struct dcf_lint *self, const struct dcf_lint_object *object)
+{
+    const struct dcf_entry *first = object->entries;
+    bool errors = first->index == ERROR_FIELD;
+    unsigned expected = errors ? 0 : highest_sub(object);
+
+    if (dcf_lint_is_mapping(first->index))
+        return;
+    if (!first->initial.given) {
+        if (!errors)
+            dcf_tell(self->report, DCF_RULE_SUB_0_DEFAULT_MISSING, first->line,
+                     "%04Xh:00 DefaultValue: %u expected (the highest sub-index), it is missing",
+                     first->index, expected);
+    } else if (first->initial.bytes[0] != expected && !counts_used(first, expected)) {
+        dcf_tell(self->report, DCF_RULE_SUB_0_DEFAULT, first->initial.line,
+                 "%04Xh:00 DefaultValue: %u expected (%s), there is %u", first->index, expected,
+                 errors ? "no errors" : "the highest sub-index", first->initial.bytes[0]);
+    }
+}
+
+/* Once for an object: an array of 254 of another type is one fault. */
+static void check_array(const struct dcf_lint *self, const struct dcf_lint_object *object)
+{
+    const struct dcf_entry *entries = object->entries;
+
+    if (entries[0].object_type != OBJECT_ARRAY)
+        return;
+    for (size_t i = 2; i < object->count && entries[i].sub != STRUCTURE_SUB; i++) {
+        if (entries[i].type == entries[1].type)
+            continue;
+        dcf_tell(self->report, DCF_RULE_ARRAY_TYPES, entries[i].line,
+                 "%04Xh:%02X: %s expected like the others of the ARRAY, there is %s",
+                 entries[i].index, entries[i].sub, od_type_name(entries[1].type),
+                 od_type_name(entries[i].type));
+        return;
+    }
+}
+
+void dcf_lint_object(const struct dcf_lint *self, const struct dcf_lint_object *object)
+{
+    if (!has_subs(object))
+        return;
+    check_highest_sub(self, object);
+    check_array(self, object);
+}

@@ -157,10 +157,10 @@ expect 'an empty DCF' 2 '' '*bad/empty.dcf: error: EDS or DCF text expected*' \
     "$dcf2ccf" bad/empty.dcf
 expect 'no file' 2 '' 'dcf2ccf: bad/none.dcf: no such file' "$dcf2ccf" bad/none.dcf
 expect 'a folder' 2 '' 'dcf2ccf: sub.d: a folder, expected a file' "$dcf2ccf" sub.d
-expect 'no folder for the output' 2 '' '*dcf2ccf: none/a.ccf: No such file or directory' \
+expect 'no folder for the output' 2 '' '*dcf2ccf: none/a.ccf: no such folder' \
     "$dcf2ccf" device.dcf none/a.ccf
 expect 'a folder as output' 2 '' '*dcf2ccf: bad: *' "$dcf2ccf" device.dcf bad
-expect 'the input as output' 2 '' '*dcf2ccf: device.dcf: File exists' \
+expect 'the input as output' 2 '' '*dcf2ccf: device.dcf: an input, expected another file*' \
     "$dcf2ccf" device.dcf device.dcf
 same 'nothing is left behind' 'empty.dcf formula.dcf gone.dcf range.dcf text.dcf up.dcf ' \
     "$(ls bad | tr '\n' ' ')"

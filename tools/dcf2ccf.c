@@ -1,26 +1,17 @@
-/* dcf2ccf: a device configuration file (DCF) as the concise DCF that configures the device. */
-#include "api/file.h"
-#include "common_file.h"
-#include "common_tool.h"
-#include "dcf/dcf.h"
+/* dcf2ccf: device configuration files (DCF) as the concise DCFs that configure the devices. */
+#include "dcf2ccf.h"
 
-#include <errno.h>
+#include "common_tool.h"
+
 #include <getopt.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define EXIT_TROUBLE 2
 
-struct arguments {
-    const char *input;
-    const char *output; /* NULL: the input's name with .ccf */
-    uint8_t node_id;    /* 0: that of the file */
-    bool old_style, all;
-};
-
 static const char help[] =
     "Usage: dcf2ccf [OPTION]... INPUT.dcf [OUTPUT.ccf]\n"
+    "       dcf2ccf [OPTION]... --from-network NETWORK.xml [-o FOLDER]\n"
     "\n"
     "Converts a device configuration file (CiA 306) to a concise DCF (CiA 302-3): the writes that\n"
     "bring the device to the ParameterValues of the file, in the order that devices need.\n"
@@ -29,18 +20,31 @@ static const char help[] =
     "  -o, --output FILE  the file to write (default: INPUT with the ending .ccf)\n"
     "      --all          entries without a ParameterValue as well, with their DefaultValue\n"
     "      --old-style    PDO mapping: the number of entries first, then the entries\n"
+    "      --from-network FILE\n"
+    "                     each DCF_File of a manager's XML file: what the manager would write at\n"
+    "                     boot, with the node-ID and Old_Config_Style that the XML file says.\n"
+    "                     Writes node-5.ccf for node 5, net-1-node-5.ccf where the file has more\n"
+    "                     than one network, into the folder of -o (default: beside the XML file)\n"
+    "      --depfile FILE what the outputs depend on, DownloadFiles as well, for make and ninja\n"
+    "  -q, --quiet        errors only, no warnings\n"
     "  -h, --help         shows this\n"
     "      --version      shows the version\n"
     "\n"
+    "INPUT and OUTPUT may be -, for stdin and stdout. After an error no output is written, not\n"
+    "even that of other files, and older ones stay as they were.\n"
+    "\n"
     "Exit codes: 0 converted, perhaps with warnings; 2 wrong usage, or an error in a file.\n";
 
-enum { OPTION_ALL = 256, OPTION_OLD_STYLE, OPTION_VERSION };
+enum { OPTION_ALL = 256, OPTION_DEPFILE, OPTION_NETWORK, OPTION_OLD_STYLE, OPTION_VERSION };
 
 static const struct option options[] = {
     { "node-id", required_argument, NULL, 'n' },
     { "output", required_argument, NULL, 'o' },
     { "all", no_argument, NULL, OPTION_ALL },
     { "old-style", no_argument, NULL, OPTION_OLD_STYLE },
+    { "from-network", required_argument, NULL, OPTION_NETWORK },
+    { "depfile", required_argument, NULL, OPTION_DEPFILE },
+    { "quiet", no_argument, NULL, 'q' },
     { "help", no_argument, NULL, 'h' },
     { "version", no_argument, NULL, OPTION_VERSION },
     { NULL, 0, NULL, 0 },
@@ -52,34 +56,45 @@ static int usage_error(const char *what)
     return EXIT_TROUBLE;
 }
 
+/* False: the option is not one of these. */
+static bool take_option(int option, struct dcf2ccf_arguments *arguments)
+{
+    switch (option) {
+    case 'o': arguments->output = optarg; return true;
+    case OPTION_ALL: arguments->all = true; return true;
+    case OPTION_OLD_STYLE: arguments->old_style = true; return true;
+    case OPTION_NETWORK: arguments->network = optarg; return true;
+    case OPTION_DEPFILE: arguments->depfile = optarg; return true;
+    case 'q': arguments->quiet = true; return true;
+    default: return false;
+    }
+}
+
 /* -1: go on; else the exit code */
-static int parse_options(int argc, char **argv, struct arguments *arguments)
+static int parse_options(int argc, char **argv, struct dcf2ccf_arguments *arguments)
 {
     int option;
 
-    while ((option = getopt_long(argc, argv, "n:o:h", options, NULL)) != -1) {
-        switch (option) {
-        case 'n':
-            if (!tool_node_id(optarg, &arguments->node_id))
-                return usage_error("-n: a node-ID of 1..127 expected");
-            break;
-        case 'o': arguments->output = optarg; break;
-        case OPTION_ALL: arguments->all = true; break;
-        case OPTION_OLD_STYLE: arguments->old_style = true; break;
-        case 'h': return fputs(help, stdout) < 0 ? EXIT_TROUBLE : 0;
-        case OPTION_VERSION: return tool_print_version("dcf2ccf") ? 0 : EXIT_TROUBLE;
-        default: return usage_error("unknown option, or one without its value");
-        }
+    while ((option = getopt_long(argc, argv, "n:o:qh", options, NULL)) != -1) {
+        if (take_option(option, arguments))
+            continue;
+        if (option == 'h')
+            return fputs(help, stdout) < 0 ? EXIT_TROUBLE : 0;
+        if (option == OPTION_VERSION)
+            return tool_print_version("dcf2ccf") ? 0 : EXIT_TROUBLE;
+        if (option != 'n')
+            return usage_error("unknown option, or one without its value");
+        if (!tool_node_id(optarg, &arguments->node_id))
+            return usage_error("-n: a node-ID of 1..127 expected");
     }
     return -1;
 }
 
-static int parse_arguments(int argc, char **argv, struct arguments *arguments)
+/* -1: go on; else the exit code */
+static int parse_names(int argc, char **argv, struct dcf2ccf_arguments *arguments)
 {
-    int result = parse_options(argc, argv, arguments);
-
-    if (result >= 0)
-        return result;
+    if (optind < argc && arguments->network)
+        return usage_error("--from-network: no other input expected");
     if (optind < argc)
         arguments->input = argv[optind++];
     if (optind < argc && arguments->output)
@@ -88,130 +103,58 @@ static int parse_arguments(int argc, char **argv, struct arguments *arguments)
         arguments->output = argv[optind++];
     if (optind < argc)
         return usage_error("more than an input and an output file");
-    return arguments->input ? -1 : usage_error("an input file expected");
+    return arguments->input || arguments->network ? -1 : usage_error("an input file expected");
 }
 
-/* A file named in the DCF, beside it or below. */
-static enum co_err read_beside(void *context, const char *name, uint8_t **ret_bytes,
-                               size_t *ret_size)
+static bool writes_to_stdout(const struct dcf2ccf_arguments *arguments)
 {
-    const char *folder = context;
-    char *path, *text = NULL;
-    enum co_err err;
+    const char *output = arguments->output ? arguments->output : arguments->input;
 
-    if (asprintf(&path, "%s%s", folder, name) < 0)
-        return CO_ERR_MEMORY;
-    err = file_read(path, &text, ret_size);
-    if (err == CO_OK)
-        *ret_bytes = (uint8_t *)text;
-    else
-        file_tell("dcf2ccf", path, err);
-    free(path);
-    return err;
+    return output && strcmp(output, "-") == 0;
 }
 
-static enum co_err make_ccf(const struct arguments *arguments, const struct dcf *dcf,
-                            struct co_report *report, struct ccf *ret_ccf)
+/* -1: go on; else the exit code */
+static int check_arguments(const struct dcf2ccf_arguments *arguments)
 {
-    struct dcf_ccf_options ccf_options = { .node_id = arguments->node_id,
-                                           .old_style = arguments->old_style,
-                                           .all = arguments->all,
-                                           .read_file = read_beside };
-    char *folder = file_folder(arguments->input);
-    enum co_err err;
-
-    if (!folder)
-        return CO_ERR_MEMORY;
-    if (ccf_options.node_id == 0 && dcf->has_node_id)
-        ccf_options.node_id = dcf->node_id;
-    if (ccf_options.node_id == 0)
-        co_report_add(report, CO_WARNING, dcf->node_id_line,
-                      "a NodeID of 1..127 expected, there is none: give one with -n where $NODEID "
-                      "is used");
-    ccf_options.context = folder;
-    err = dcf_make_ccf(dcf, &ccf_options, report, ret_ccf);
-    free(folder);
-    return err;
+    if (arguments->network && (arguments->node_id || arguments->old_style || arguments->all))
+        return usage_error("--from-network: no -n, --old-style or --all expected: it writes what "
+                           "the manager would");
+    if (arguments->network && writes_to_stdout(arguments))
+        return usage_error("--from-network: a folder for -o expected");
+    if (arguments->depfile && writes_to_stdout(arguments))
+        return usage_error("--depfile: an output file expected, there is only stdout");
+    return -1;
 }
 
-static enum co_err convert(const struct arguments *arguments, const char *text, size_t size,
-                           struct ccf *ret_ccf)
+static bool run(const struct dcf2ccf_arguments *arguments)
 {
-    struct co_report report = { .file = arguments->input, .sink = file_report_line };
-    struct dcf dcf;
-    enum co_err err = dcf_parse(text, size, &report, &dcf);
+    struct ccf_files files = { .read = NULL };
+    bool good = arguments->network ? dcf2ccf_convert_network(arguments, &files)
+                                   : dcf2ccf_convert(arguments, &files);
 
-    if (err == CO_OK)
-        err = make_ccf(arguments, &dcf, &report, ret_ccf);
-    if (err == CO_ERR_MEMORY)
-        file_tell("dcf2ccf", arguments->input, err);
-    dcf_done(&dcf);
-    return err;
-}
-
-/* INPUT with the ending .ccf; freed by free(). */
-static char *default_output(const char *input)
-{
-    const char *slash = strrchr(input, '/');
-    const char *dot = strrchr(input, '.');
-    bool ends = dot && dot > (slash ? slash + 1 : input);
-    char *output;
-
-    if (asprintf(&output, "%.*s.ccf", ends ? (int)(dot - input) : (int)strlen(input), input) < 0)
-        return NULL;
-    return output;
-}
-
-static enum co_err write_output(const struct arguments *arguments, const struct ccf *ccf)
-{
-    char *name = arguments->output ? strdup(arguments->output) : default_output(arguments->input);
-    enum co_err err = CO_ERR_MEMORY;
-
-    if (!name)
-        return err;
-    if (strcmp(name, arguments->input) == 0) {
-        errno = EEXIST;
-        err = CO_ERR_IO;
-    } else {
-        err = file_write(name, ccf->bytes, ccf->size);
-    }
-    if (err != CO_OK)
-        file_tell("dcf2ccf", name, err);
-    free(name);
-    return err;
-}
-
-static enum co_err run(const struct arguments *arguments)
-{
-    struct ccf ccf;
-    char *text;
-    size_t size;
-    enum co_err err = file_read(arguments->input, &text, &size);
-
-    if (err != CO_OK) {
-        file_tell("dcf2ccf", arguments->input, err);
-        return err;
-    }
-    ccf_init(&ccf);
-    err = convert(arguments, text, size, &ccf);
-    free(text);
-    if (err == CO_OK)
-        err = write_output(arguments, &ccf);
-    ccf_done(&ccf);
-    return err;
+    if (good && arguments->depfile)
+        good = ccf_files_write_rule(&files, arguments->depfile);
+    if (good)
+        good = ccf_files_take(&files);
+    ccf_files_done(&files);
+    return good;
 }
 
 int main(int argc, char **argv)
 {
-    struct arguments arguments = { .input = NULL };
+    struct dcf2ccf_arguments arguments = { .input = NULL };
     int result;
 
     if (argc < 2) {
         fputs(help, stderr);
         return EXIT_TROUBLE;
     }
-    result = parse_arguments(argc, argv, &arguments);
+    result = parse_options(argc, argv, &arguments);
+    if (result < 0)
+        result = parse_names(argc, argv, &arguments);
+    if (result < 0)
+        result = check_arguments(&arguments);
     if (result >= 0)
         return result;
-    return run(&arguments) == CO_OK ? 0 : EXIT_TROUBLE;
+    return run(&arguments) ? 0 : EXIT_TROUBLE;
 }

@@ -251,6 +251,34 @@ START_TEST(test_every_truncation)
 }
 END_TEST
 
+/* Many keys are sorted in another way than few. */
+START_TEST(test_many_keys)
+{
+    char file[8000] = "[FileInfo]\n";
+    size_t used = strlen(file);
+
+    for (unsigned i = 0; i < 300; i++)
+        used += (size_t)snprintf(file + used, sizeof file - used, "%s%u=%u\n", i % 2 ? "k" : "K",
+                                 i * 7 % 100, i);
+    ck_assert_int_eq(lex_bytes(file, used), CO_OK);
+    ck_assert_uint_eq(messages.report.warnings, 200);
+    ck_assert_uint_eq(text.sections[0].count, 100);
+    for (unsigned i = 0; i < 100; i++) {
+        const struct dcf_key *key;
+        char name[8];
+
+        snprintf(name, sizeof name, "K%u", i * 7 % 100);
+        key = dcf_section_find(&text.sections[0], name);
+        ck_assert_ptr_nonnull(key);
+        ck_assert_uint_eq(key->line, 202 + i); /* the last of the three */
+        snprintf(name, sizeof name, "K%u", i);
+        ck_assert(dcf_slice_is(text.sections[0].keys[i].name, name));
+    }
+    ck_assert_ptr_null(dcf_section_find(&text.sections[0], "K100"));
+    done();
+}
+END_TEST
+
 START_TEST(test_find)
 {
     static const char file[] = "[DeviceInfo]\nB=1\nA=\n[1018]\n[FileInfo]\n";
@@ -293,6 +321,7 @@ static Suite *lexer_suite(void)
     tcase_add_test(tests, test_long_line);
     tcase_add_test(tests, test_odd_byte_anywhere);
     tcase_add_test(tests, test_every_truncation);
+    tcase_add_test(tests, test_many_keys);
     tcase_add_test(tests, test_find);
     tcase_add_test(tests, test_show);
     suite_add_tcase(suite, tests);

@@ -74,10 +74,10 @@ static const struct {
     { "bytes of a DOMAIN", OBJECT("2000", VAR("2000", "0xF", "rw") "ParameterValue=0x0102\n"),
       "50: warning: [2000] ParameterValue: a DownloadFile as value of a DOMAIN expected, there is "
       "\"0x0102\": taken as bytes\n" },
-    { "an unknown key", U8_OBJECT("Factor=0.1\nUnit=m\n"),
-      "50: warning: [2000]: a keyword of CiA 306 for this section expected, there is \"Factor\": "
+    { "an unknown key", U8_OBJECT("Unit=m\nFactor=0.1\n"),
+      "50: warning: [2000]: a keyword of CiA 306 for this section expected, there is \"Unit\": "
       "ignored\n"
-      "51: warning: [2000]: a keyword of CiA 306 for this section expected, there is \"Unit\": "
+      "51: warning: [2000]: a keyword of CiA 306 for this section expected, there is \"Factor\": "
       "ignored\n" },
     { "an access type with something behind it", OBJECT("2000", VAR("2000", "5", "rw # rw")),
       "49: warning: [2000] AccessType: rw alone expected, there is \"rw # rw\"\n" },
@@ -169,9 +169,9 @@ static const struct {
           "2000",
           VAR("2000", "5",
               "rw") "ObjectType=8\nCompactSubObj=2\n[2000Value]\nNrOfEntries=1\n2=1\n3=1\n0x1=1\n"),
-      "56: warning: [2000Value]: a sub-index of 2000h in decimal expected, there is \"0x1\": "
-      "ignored\n"
       "55: warning: [2000Value]: a sub-index of 2000h in decimal expected, there is \"3\": "
+      "ignored\n"
+      "56: warning: [2000Value]: a sub-index of 2000h in decimal expected, there is \"0x1\": "
       "ignored\n"
       "52: warning: [2000Value] NrOfEntries: 3 expected (so many are there), it is 1\n" },
     { "an index in no list", LINES(VAR("2000", "5", "ro")),

@@ -26,7 +26,7 @@ static const struct {
 static void tell_quirks(const struct dcf_builder *self, const struct dcf_section *section,
                         const struct dcf_key *key, unsigned quirks)
 {
-    for (size_t i = 0; i < sizeof quirk_texts / sizeof quirk_texts[0]; i++) {
+    for (size_t i = 0; quirks && i < sizeof quirk_texts / sizeof quirk_texts[0]; i++) {
         if (quirks & quirk_texts[i].quirk)
             dcf_tell(self->report, quirk_texts[i].rule, key->line,
                      "[%s] %s: %s expected, there is "

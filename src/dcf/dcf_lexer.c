@@ -59,10 +59,8 @@ static enum co_err add_section(struct lexer *self, struct dcf_slice name)
             return CO_ERR_MEMORY;
         text->sections = items;
     }
-    text->sections[text->section_count] = (struct dcf_section){
-        .name = name, .line = self->line, .number = (uint32_t)text->section_count
-    };
-    text->section_count++;
+    text->sections[text->section_count++] = (struct dcf_section){ .name = name,
+                                                                  .line = self->line };
     return CO_OK;
 }
 
@@ -78,9 +76,8 @@ static enum co_err add_key(struct lexer *self, struct dcf_slice name, struct dcf
     }
     text->keys[text->key_count++] = (struct dcf_key){ .name = name,
                                                       .value = value,
-                                                      .line = self->line,
-                                                      .section = (uint32_t)text->section_count -
-                                                                 1 };
+                                                      .line = self->line };
+    text->sections[text->section_count - 1].count++;
     return CO_OK;
 }
 

@@ -2,7 +2,8 @@
  * The lines of an EDS or DCF file: sections and their keys, with line numbers.
  *
  *   in   the bytes of the file
- *   out  sections, known by their names, sorted; keys of each section, sorted by name
+ *   out  sections, known by their names, sorted; keys of each section, the shorter names first and
+ *        those of one length by the alphabet, so that numbers are in their order
  *
  * Sections and keys that come twice are merged, the last one wins. Names are compared without
  * regard to case. Slices point into the file's text, which has to stay.
@@ -52,8 +53,7 @@ struct dcf_key {
     struct dcf_slice name;
     struct dcf_slice value;
     unsigned line;
-    uint32_t section; /* its place in sections */
-    bool used;        /* somebody asked for it */
+    bool used; /* somebody asked for it */
 };
 
 struct dcf_section {
@@ -63,8 +63,8 @@ struct dcf_section {
     uint16_t part;  /* number of the module or tool; 0: the device itself */
     uint16_t index; /* of object sections */
     uint8_t sub;
-    bool listed;     /* for who reads lists: its index was in one */
-    uint32_t number; /* in the order of the file */
+    bool listed;    /* for who reads lists: its index was in one */
+    uint64_t order; /* equal for sections that are the same one */
     struct dcf_key *keys;
     size_t count;
 };

@@ -4,11 +4,12 @@
 #include "dcf/dcf_rules.h"
 
 #include <stdlib.h>
+#include <string.h>
 
+#define FEW_KEYS 32u
 #define NO_ORDER UINT64_MAX
 
-/* Equal for sections that are the same one. */
-static uint64_t order(const struct dcf_section *section)
+static uint64_t order_of(const struct dcf_section *section)
 {
     uint64_t group = section->kind < DCF_SECTION_OBJECT        ? 0
                      : section->kind < DCF_SECTION_MODULE_INFO ? 1
@@ -26,51 +27,100 @@ static int compare_sections(const void *left, const void *right)
 {
     const struct dcf_section *a = left, *b = right;
 
-    if (order(a) != order(b))
-        return order(a) < order(b) ? -1 : 1;
-    return (a->number > b->number) - (a->number < b->number);
+    if (a->order != b->order)
+        return a->order < b->order ? -1 : 1;
+    return (a->line > b->line) - (a->line < b->line);
+}
+
+static bool are_twins(const struct dcf_section *a, const struct dcf_section *b)
+{
+    return a->order == b->order && a->order != NO_ORDER;
+}
+
+static bool has_twins(const struct dcf_text *self)
+{
+    for (size_t i = 1; i < self->section_count; i++) {
+        if (are_twins(&self->sections[i - 1], &self->sections[i]))
+            return true;
+    }
+    return false;
+}
+
+static void join(struct dcf_section *first, const struct dcf_section *again,
+                 struct co_report *report)
+{
+    dcf_tell(report, DCF_RULE_DOUBLE_SECTION, again->line,
+             "[%s]: expected once, it is also in line %u: keys of both are taken, of "
+             "the same ones the later",
+             dcf_show(again->name).text, first->line);
+    first->line = again->line;
+    first->count += again->count;
+}
+
+/* Leaves one of sections that are the same: their keys become neighbours. */
+static enum co_err join_twins(struct dcf_text *self, struct co_report *report)
+{
+    struct dcf_key *keys = malloc((self->key_count + 1) * sizeof *keys), *next = keys;
+    size_t count = 0;
+
+    if (!keys)
+        return CO_ERR_MEMORY;
+    for (size_t i = 0; i < self->section_count; i++) {
+        struct dcf_section *section = &self->sections[i];
+
+        if (section->count > 0)
+            memcpy(next, section->keys, section->count * sizeof *next);
+        section->keys = next;
+        next += section->count;
+        if (count > 0 && are_twins(&self->sections[count - 1], section))
+            join(&self->sections[count - 1], section, report);
+        else
+            self->sections[count++] = *section;
+    }
+    self->section_count = count;
+    free(self->keys);
+    self->keys = keys;
+    return CO_OK;
+}
+
+/* The length first: most names differ in it. */
+static int compare_names(struct dcf_slice a, struct dcf_slice b)
+{
+    if (a.size != b.size)
+        return a.size < b.size ? -1 : 1;
+    return dcf_slice_compare(a, b);
 }
 
 static int compare_keys(const void *left, const void *right)
 {
     const struct dcf_key *a = left, *b = right;
-    int difference;
+    int difference = compare_names(a->name, b->name);
 
-    if (a->section != b->section)
-        return a->section < b->section ? -1 : 1;
-    difference = dcf_slice_compare(a->name, b->name);
     return difference != 0 ? difference : (a->line > b->line) - (a->line < b->line);
 }
 
-/* Leaves one of sections that are the same; fills places[number] with where each went. */
-static void merge_sections(struct dcf_text *self, struct co_report *report, uint32_t *places)
+/* Few, as in nearly all sections, by insertion. */
+static void sort_keys(struct dcf_section *section)
 {
-    size_t count = 0;
+    struct dcf_key *keys = section->keys;
 
-    for (size_t i = 0; i < self->section_count; i++) {
-        struct dcf_section *section = &self->sections[i];
-        struct dcf_section *last = count > 0 ? &self->sections[count - 1] : NULL;
-
-        if (last && order(section) != NO_ORDER && order(last) == order(section)) {
-            dcf_tell(report, DCF_RULE_DOUBLE_SECTION, section->line,
-                     "[%s]: expected once, it is also in line %u: keys of both are taken, of "
-                     "the same ones the later",
-                     dcf_show(section->name).text, last->line);
-            places[section->number] = (uint32_t)count - 1;
-            last->line = section->line;
-        } else {
-            places[section->number] = (uint32_t)count;
-            self->sections[count++] = *section;
-        }
+    if (section->count > FEW_KEYS) {
+        qsort(keys, section->count, sizeof *keys, compare_keys);
+        return;
     }
-    self->section_count = count;
+    for (size_t i = 1; i < section->count; i++) {
+        struct dcf_key key = keys[i];
+        size_t place = i;
+
+        for (; place > 0 && compare_names(keys[place - 1].name, key.name) > 0; place--)
+            keys[place] = keys[place - 1];
+        keys[place] = key;
+    }
 }
 
-static void tell_twice(const struct dcf_text *self, struct co_report *report,
+static void tell_twice(const struct dcf_section *section, struct co_report *report,
                        const struct dcf_key *first, const struct dcf_key *again)
 {
-    const struct dcf_section *section = &self->sections[again->section];
-
     if (section->kind == DCF_SECTION_UNKNOWN)
         return;
     dcf_tell(report, DCF_RULE_DOUBLE_KEY, again->line,
@@ -79,44 +129,39 @@ static void tell_twice(const struct dcf_text *self, struct co_report *report,
              dcf_show(again->value).text, dcf_show(first->value).text);
 }
 
-static void merge_keys(struct dcf_text *self, struct co_report *report)
+/* Leaves the last of keys that are the same. */
+static void merge_keys(struct dcf_section *section, struct co_report *report)
 {
+    struct dcf_key *keys = section->keys;
     size_t count = 0;
 
-    for (size_t i = 0; i < self->key_count; i++) {
-        struct dcf_key *key = &self->keys[i];
-        struct dcf_key *last = count > 0 ? &self->keys[count - 1] : NULL;
-        struct dcf_section *section = &self->sections[key->section];
-
-        if (last && last->section == key->section &&
-            dcf_slice_compare(last->name, key->name) == 0) {
-            tell_twice(self, report, last, key);
-            *last = *key;
-            continue;
-        }
-        if (section->count++ == 0)
-            section->keys = &self->keys[count];
-        self->keys[count++] = *key;
+    for (size_t i = 0; i < section->count; i++) {
+        if (count > 0 && compare_names(keys[count - 1].name, keys[i].name) == 0)
+            tell_twice(section, report, &keys[--count], &keys[i]);
+        keys[count++] = keys[i];
     }
-    self->key_count = count;
+    section->count = count;
 }
 
 enum co_err dcf_text_sort(struct dcf_text *self, struct co_report *report)
 {
-    uint32_t *places = calloc(self->section_count, sizeof *places);
+    struct dcf_key *keys = self->keys;
 
-    if (!places)
-        return CO_ERR_MEMORY;
-    for (size_t i = 0; i < self->section_count; i++)
-        dcf_section_know(&self->sections[i], report);
+    for (size_t i = 0; i < self->section_count; i++) {
+        struct dcf_section *section = &self->sections[i];
+
+        dcf_section_know(section, report);
+        section->order = order_of(section);
+        section->keys = keys;
+        keys += section->count;
+    }
     qsort(self->sections, self->section_count, sizeof *self->sections, compare_sections);
-    merge_sections(self, report, places);
-    for (size_t i = 0; i < self->key_count; i++)
-        self->keys[i].section = places[self->keys[i].section];
-    free(places);
-    if (self->key_count > 0)
-        qsort(self->keys, self->key_count, sizeof *self->keys, compare_keys);
-    merge_keys(self, report);
+    if (has_twins(self) && join_twins(self, report) != CO_OK)
+        return CO_ERR_MEMORY;
+    for (size_t i = 0; i < self->section_count; i++) {
+        sort_keys(&self->sections[i]);
+        merge_keys(&self->sections[i], report);
+    }
     return CO_OK;
 }
 
@@ -144,7 +189,7 @@ const struct dcf_key *dcf_section_find(struct dcf_section *self, const char *nam
     while (low < high) {
         size_t middle = low + (high - low) / 2;
         struct dcf_key *key = &self->keys[middle];
-        int difference = dcf_slice_compare(key->name, wanted);
+        int difference = compare_names(key->name, wanted);
 
         if (difference == 0) {
             key->used = true;

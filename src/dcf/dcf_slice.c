@@ -29,8 +29,11 @@ static bool same(char a, char b)
 int dcf_slice_compare(struct dcf_slice a, struct dcf_slice b)
 {
     size_t size = a.size < b.size ? a.size : b.size;
+    size_t i = 0;
 
-    for (size_t i = 0; i < size; i++) {
+    while (i + 8 <= size && memcmp(a.text + i, b.text + i, 8) == 0)
+        i += 8;
+    for (; i < size; i++) {
         if (!same(a.text[i], b.text[i]))
             return fold(a.text[i]) - fold(b.text[i]);
     }

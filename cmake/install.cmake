@@ -20,6 +20,7 @@ install(FILES ${PROJECT_BINARY_DIR}/libmcanopen.a DESTINATION ${CMAKE_INSTALL_LI
 
 install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${doc_dir})
 install(FILES docs/network-xml.md docs/real-hardware.md docs/threading.md DESTINATION ${doc_dir}/docs)
+install(FILES docs/network.xsd DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/mcanopen)
 
 # ---- CMake: mcanopen::mcanopen and mcanopen::static ----------------------------------------------
 

@@ -52,6 +52,14 @@ static const struct fault {
     { NODE("<Boot_Delay unit=\"s\" x='y'>1</Boot_Delay>\n"),
       "7: error: Boot_Delay: unknown attribute unit\n7: error: Boot_Delay: unknown attribute x\n",
       CO_ERR_VALUE, CO_ERR_VALUE },
+    { "<CANopen_Manager xmlns:x='http://www.w3.org/2001/XMLSchema-instance' x:other='1'>\n"
+      "<x:Manager_Instance><Net_No>1</Net_No><Baudrate>10</Baudrate></x:Manager_Instance>"
+      "</CANopen_Manager>",
+      "1: error: CANopen_Manager: unknown attribute other\n"
+      "2: error: Manager_Instance: unknown with the prefix x\n"
+      "2: warning: Manager_Instance: without any Node_Instance there is nothing to manage until "
+      "other tools configure it\n",
+      CO_ERR_VALUE, CO_ERR_VALUE },
     { "<CANopen_Manager xmlns='urn:x'>\n</CANopen_Manager>",
       "1: error: CANopen_Manager: unknown attribute xmlns\n"
       "1: error: CANopen_Manager: Manager_Instance is missing\n",

@@ -1,6 +1,8 @@
 #include "support/config_text.h"
 
 #include <check.h>
+#include <libxml/parser.h>
+#include <libxml/xmlIO.h>
 #include <libxml/xmlmemory.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -297,6 +299,72 @@ START_TEST(test_big_lines)
 }
 END_TEST
 
+/* Documents that ask for more than there is in them, and what is said of it. */
+#define XSI   "xmlns:xsi='http://www.w3.org/2001/XMLSchema-instance'"
+#define PLACE "file:///etc/hostname"
+static const struct asking {
+    const char *text, *message; /* NULL: it is read, and nothing else */
+} asking[] = {
+    { "<!DOCTYPE a SYSTEM '" PLACE "'>\n" NET(ONE), "1: error: XML: a document type" },
+    { "<!DOCTYPE a PUBLIC 'a' 'http://none.invalid/a.dtd'>\n" NET(ONE),
+      "1: error: XML: a document type" },
+    { "<!DOCTYPE a [<!ENTITY b SYSTEM '" PLACE "'>]>\n" NET("<Name>&b;</Name>" ONE),
+      "1: error: XML: a document type" },
+    { "<!DOCTYPE a [<!ENTITY % b SYSTEM '" PLACE "'> %b;]>\n" NET(ONE),
+      "1: error: XML: a document type" },
+    { "<!DOCTYPE a [<!ENTITY b 'bbbbbbbbbb'><!ENTITY c '&b;&b;&b;&b;&b;&b;&b;&b;&b;&b;'>"
+      "<!ENTITY d '&c;&c;&c;&c;&c;&c;&c;&c;&c;&c;'><!ENTITY e '&d;&d;&d;&d;&d;&d;&d;&d;&d;&d;'>"
+      "<!ENTITY f '&e;&e;&e;&e;&e;&e;&e;&e;&e;&e;'><!ENTITY g '&f;&f;&f;&f;&f;&f;&f;&f;&f;&f;'>"
+      "<!ENTITY h '&g;&g;&g;&g;&g;&g;&g;&g;&g;&g;'><!ENTITY i '&h;&h;&h;&h;&h;&h;&h;&h;&h;&h;'>]>"
+      "\n" NET("<Name>&i;</Name>" ONE),
+      "1: error: XML: a document type" },
+    { NET("<xi:include href='" PLACE "' parse='text' "
+          "xmlns:xi='http://www.w3.org/2001/XInclude'/>" ONE),
+      "5: error: include: unknown attribute xmlns" },
+    { NET("<Name xml:base='" PLACE "'>a</Name>" ONE), "5: error: Name: unknown attribute base" },
+    { "<?xml version='1.0'?><?xml-model href='" PLACE "'?>\n"
+      "<?xml-stylesheet type='text/xsl' href='" PLACE "'?>\n" NET(ONE),
+      NULL },
+    { "<CANopen_Manager " XSI " xsi:noNamespaceSchemaLocation='" PLACE "'><Manager_Instance>"
+      "<Net_No>0</Net_No><Baudrate>500</Baudrate>" ONE "</Manager_Instance></CANopen_Manager>",
+      NULL },
+};
+
+static unsigned openings;
+
+static int count_opening(const char *name)
+{
+    (void)name;
+    openings++;
+    return 0;
+}
+
+static xmlParserInput *count_entity(const char *url, const char *id, xmlParserCtxt *parser)
+{
+    (void)url;
+    (void)id;
+    (void)parser;
+    openings++;
+    return NULL;
+}
+
+START_TEST(test_nothing_is_fetched)
+{
+    const char *message = asking[_i].message;
+    struct config_result *result;
+
+    ck_assert_int_ge(xmlRegisterInputCallbacks(count_opening, NULL, NULL, NULL), 0);
+    xmlSetExternalEntityLoader(count_entity);
+    result = config_parse(asking[_i].text);
+    ck_assert_uint_eq(openings, 0);
+    ck_assert_int_eq(result->err == CO_OK, message == NULL);
+    ck_assert_msg(strncmp(result->messages, message ? message : "",
+                          message ? strlen(message) : sizeof result->messages) == 0,
+                  "%s", result->messages);
+    network_config_free(result->networks, result->count);
+}
+END_TEST
+
 int main(void)
 {
     Suite *suite = suite_create("network_config_hostile");
@@ -319,6 +387,7 @@ int main(void)
     tcase_add_test(all, test_too_many_nodes);
     tcase_add_test(all, test_too_many_networks);
     tcase_add_test(all, test_big_lines);
+    tcase_add_loop_test(all, test_nothing_is_fetched, 0, (int)(sizeof asking / sizeof *asking));
     suite_add_tcase(suite, all);
     srunner_run_all(runner, CK_NORMAL);
     failed = srunner_ntests_failed(runner);

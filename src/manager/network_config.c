@@ -15,6 +15,7 @@ struct scope {                         /* one of the elements that hold others, 
 };
 
 static const char root_name[] = "CANopen_Manager";
+static const char schema_space[] = "http://www.w3.org/2001/XMLSchema-instance";
 
 /* The element's name belongs elsewhere. Returns where, or NULL. */
 static const char *find_home(const char *name)
@@ -47,18 +48,44 @@ static void tell_stranger(const xmlNode *node, const struct scope *scope, struct
         faults_error(faults, CO_ERR_VALUE, line, "%s: unknown element in %s", excerpt, scope->name);
 }
 
-/* No element of this file has attributes. */
+static bool is_of_schemas(const xmlNs *space)
+{
+    return space && space->prefix && strcmp((const char *)space->href, schema_space) == 0;
+}
+
+/* The root may tell editors where the schema is; nothing is looked for there. */
+static bool is_for_editors(const xmlAttr *attribute)
+{
+    return attribute->parent->parent->type == XML_DOCUMENT_NODE && is_of_schemas(attribute->ns) &&
+           strcmp((const char *)attribute->name, "noNamespaceSchemaLocation") == 0;
+}
+
+static bool has_strange_space(const xmlNode *node)
+{
+    const bool is_root = node->parent->type == XML_DOCUMENT_NODE;
+    const xmlNs *space = node->nsDef;
+
+    while (space && is_root && is_of_schemas(space))
+        space = space->next;
+    return space != NULL;
+}
+
+/* No other element of this file has attributes, and none has a prefix. */
 static void check_attributes(const xmlNode *node, struct faults *faults)
 {
     char element[FAULTS_EXCERPT_SIZE], excerpt[FAULTS_EXCERPT_SIZE];
     unsigned line = network_xml_line(node);
 
     faults_excerpt(network_xml_name(node), element);
-    if (node->nsDef)
+    if (has_strange_space(node))
         faults_error(faults, CO_ERR_VALUE, line, "%s: unknown attribute xmlns", element);
+    if (node->ns && node->ns->prefix)
+        faults_error(faults, CO_ERR_VALUE, line, "%s: unknown with the prefix %s", element,
+                     faults_excerpt((const char *)node->ns->prefix, excerpt));
     for (const xmlAttr *attribute = node->properties; attribute; attribute = attribute->next)
-        faults_error(faults, CO_ERR_VALUE, line, "%s: unknown attribute %s", element,
-                     faults_excerpt((const char *)attribute->name, excerpt));
+        if (!is_for_editors(attribute))
+            faults_error(faults, CO_ERR_VALUE, line, "%s: unknown attribute %s", element,
+                         faults_excerpt((const char *)attribute->name, excerpt));
 }
 
 static bool holds_only_text(const xmlNode *node, struct faults *faults)

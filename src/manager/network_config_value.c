@@ -31,20 +31,20 @@ static int digit_value(char c)
 
 /* Decimal, also with leading zeros, or 0x and hexadecimal. What is too large to hold becomes
  * INT64_MAX, out of any range. */
-static bool parse_number(const char *text, int64_t *ret_value)
+static bool parse_digits(const char *text, const char *end, int64_t *ret_value)
 {
-    const bool negative = *text == '-';
+    const bool negative = text < end && *text == '-';
     int64_t value = 0;
     int base = 10;
 
     text += negative;
-    if (text[0] == '0' && (text[1] == 'x' || text[1] == 'X')) {
+    if (end - text >= 2 && text[0] == '0' && (text[1] == 'x' || text[1] == 'X')) {
         base = 16;
         text += 2;
     }
-    if (*text == '\0')
+    if (text == end)
         return false;
-    for (; *text != '\0'; text++) {
+    for (; text < end; text++) {
         int digit = digit_value(*text);
 
         if (digit >= base)
@@ -53,6 +53,11 @@ static bool parse_number(const char *text, int64_t *ret_value)
     }
     *ret_value = negative ? -value : value;
     return true;
+}
+
+static bool parse_number(const char *text, int64_t *ret_value)
+{
+    return parse_digits(text, text + strlen(text), ret_value);
 }
 
 static void tell_not(const struct place *place, const char *text, const char *what)
@@ -180,36 +185,22 @@ static void set_ascii(const struct place *place, const char *text)
     memcpy((char *)place->base + place->element->offset, &copy, sizeof copy);
 }
 
-/* The next field of a list without blanks around it; returns what is behind its colon, or NULL. */
-static const char *take_field(const char *list, char *field, size_t room)
-{
-    const char *colon = strchr(list, ':');
-    const char *end = colon ? colon : list + strlen(list);
-    const char *begin = list + strspn(list, BLANKS);
-    size_t size = 0;
-
-    while (end > begin && strchr(BLANKS, end[-1]))
-        end--;
-    if (end > begin && (size_t)(end - begin) < room)
-        size = (size_t)(end - begin);
-    memcpy(field, begin, size);
-    field[size] = '\0';
-    return colon ? colon + 1 : NULL;
-}
-
-/* False: not exactly count numbers. */
+/* False: not exactly count numbers, with or without blanks around each. */
 static bool parse_list(const char *text, int64_t *values, size_t count)
 {
-    char field[24];
-
     for (size_t i = 0; i < count; i++) {
-        if (!text)
+        const char *colon = strchr(text, ':');
+        const char *end = colon ? colon : text + strlen(text);
+        const char *next = colon ? colon + 1 : end;
+
+        text += strspn(text, BLANKS);
+        while (end > text && strchr(BLANKS, end[-1]))
+            end--;
+        if ((colon != NULL) != (i + 1 < count) || !parse_digits(text, end, &values[i]))
             return false;
-        text = take_field(text, field, sizeof field);
-        if (!parse_number(field, &values[i]))
-            return false;
+        text = next;
     }
-    return text == NULL;
+    return true;
 }
 
 static void set_int16(const struct place *place, const char *text)

@@ -255,9 +255,9 @@ static const struct {
     { NET("<Manager_Thread_Priorities>1:2</Manager_Thread_Priorities>" ONE), "not 3 numbers" },
     { NET("<Manager_Thread_Priorities>1:2:3:4</Manager_Thread_Priorities>" ONE), "not 3 numbers" },
     { NET("<Manager_Thread_Priorities>1::3</Manager_Thread_Priorities>" ONE), "not 3 numbers" },
-    { NET("<Manager_Thread_Priorities>1:0000000000000000000000002:3</"
+    { NET("<Manager_Thread_Priorities>1:99999999999999999999999992:3</"
           "Manager_Thread_Priorities>" ONE),
-      "not 3 numbers" },
+      "out of range -32768..32767" },
     { NET("<Manager_Thread_Priorities>1:2:32</Manager_Thread_Priorities>" ONE), "32 is out of" },
     { NET("<Slave_Thread_Priorities>-1:2:3:4</Slave_Thread_Priorities>" ONE), "-1 is out of" },
     { NET("<Slave_Thread_Priorities>1:2:3:40000</Slave_Thread_Priorities>" ONE), "-32768..32767" },

@@ -1,133 +1,111 @@
-/* ccfread: what is in a concise DCF, one line for each entry. */
-#include "api/file.h"
-#include "base/bytes.h"
-#include "common_file.h"
+/* ccfread: what is in concise DCFs, and what two of them do differently. */
+#include "ccfread_diff.h"
+#include "ccfread_input.h"
+#include "ccfread_show.h"
 #include "common_tool.h"
-#include "dcf/ccf.h"
 
 #include <getopt.h>
 #include <stdio.h>
-#include <stdlib.h>
 
-#define EXIT_TROUBLE 2
-#define NUMBER_SIZE  8u
-
-static const char help[] =
-    "Usage: ccfread [OPTION]... FILE.ccf\n"
-    "\n"
-    "Shows the entries of a concise DCF (CiA 302-3), one line each: index:sub-index, size in "
-    "bytes,\n"
-    "the bytes, and what they are as a number (up to 8 bytes) or as text.\n"
-    "\n"
-    "      --json     as a JSON array\n"
-    "  -h, --help     shows this\n"
-    "      --version  shows the version\n"
-    "\n"
-    "Exit codes: 0 shown; 2 wrong usage, or the file is no whole concise DCF.\n";
-
-enum { OPTION_JSON = 256, OPTION_VERSION };
-
-static const struct option options[] = {
-    { "json", no_argument, NULL, OPTION_JSON },
-    { "help", no_argument, NULL, 'h' },
-    { "version", no_argument, NULL, OPTION_VERSION },
-    { NULL, 0, NULL, 0 },
+struct arguments {
+    const char *eds; /* NULL: none */
+    bool json;
+    bool diff;
 };
 
-static bool is_text(const struct ccf_entry *entry)
+static const char help[] =
+    "Usage: ccfread [OPTION]... FILE.ccf...\n"
+    "       ccfread [OPTION]... --diff A.ccf B.ccf\n"
+    "\n"
+    "Shows the entries of concise DCFs (CiA 302-3) in their order: where each begins in the file,\n"
+    "index:sub-index, size in bytes, and the value. A damaged file is shown up to the damage.\n"
+    "FILE may be -, for stdin.\n"
+    "\n"
+    "  -e, --eds FILE  takes types and names from this EDS or DCF, and warns about entries that\n"
+    "                  it does not have, or has with another size, or read-only\n"
+    "      --diff      shows what differs from A to B: entries removed, added, changed or moved\n"
+    "      --json      as JSON\n"
+    "  -h, --help      shows this\n"
+    "      --version   shows the version\n"
+    "\n"
+    "Exit codes: 0 shown, or no difference; 1 a damaged file, or differences; 2 wrong usage, or a\n"
+    "file that cannot be read.\n";
+
+enum { OPTION_JSON = 256, OPTION_DIFF, OPTION_VERSION };
+
+static const struct option options[] = {
+    { "eds", required_argument, NULL, 'e' },          { "diff", no_argument, NULL, OPTION_DIFF },
+    { "json", no_argument, NULL, OPTION_JSON },       { "help", no_argument, NULL, 'h' },
+    { "version", no_argument, NULL, OPTION_VERSION }, { NULL, 0, NULL, 0 },
+};
+
+static int usage_error(const char *what)
 {
-    for (uint32_t i = 0; i < entry->size; i++) {
-        if (entry->value[i] < 0x20 || entry->value[i] > 0x7E)
-            return false;
+    fprintf(stderr, "ccfread: %s\nTry 'ccfread --help'.\n", what);
+    return EXIT_TROUBLE;
+}
+
+/* -1: go on; else the exit code */
+static int parse_arguments(int argc, char **argv, struct arguments *arguments)
+{
+    int option;
+
+    while ((option = getopt_long(argc, argv, "e:h", options, NULL)) != -1) {
+        switch (option) {
+        case 'e': arguments->eds = optarg; break;
+        case OPTION_DIFF: arguments->diff = true; break;
+        case OPTION_JSON: arguments->json = true; break;
+        case 'h': return fputs(help, stdout) < 0 ? EXIT_TROUBLE : EXIT_GOOD;
+        case OPTION_VERSION: return tool_print_version("ccfread") ? EXIT_GOOD : EXIT_TROUBLE;
+        default: return usage_error("unknown option, or one without its value");
+        }
     }
-    return entry->size > 0;
+    if (optind == argc)
+        return usage_error("a file expected");
+    if (arguments->diff && optind + 2 != argc)
+        return usage_error("--diff: two files expected");
+    return -1;
 }
 
-static void print_line(const struct ccf_entry *entry)
+static int show_files(char **names, const struct arguments *arguments, const struct dcf *eds)
 {
-    printf("%04X:%02X  %lu ", entry->index, entry->sub, (unsigned long)entry->size);
-    for (uint32_t i = 0; i < entry->size; i++)
-        printf(" %02X", entry->value[i]);
-    if (entry->size > 0 && entry->size <= NUMBER_SIZE)
-        printf("  = %llu", (unsigned long long)get_le(entry->value, entry->size));
-    if (is_text(entry) && entry->size >= 4) /* shorter ones are numbers, as a rule */
-        printf("  \"%.*s\"", (int)entry->size, (const char *)entry->value);
-    putchar('\n');
-}
+    struct show show = { .view = arguments->json ? &view_json : &view_table,
+                         .eds = eds,
+                         .eds_name = arguments->eds };
+    int result = EXIT_GOOD;
 
-static void print_json(const struct ccf_entry *entry, bool first)
-{
-    printf("%s\n  {\"index\": %u, \"sub\": %u, \"size\": %lu, \"data\": \"", first ? "" : ",",
-           entry->index, entry->sub, (unsigned long)entry->size);
-    for (uint32_t i = 0; i < entry->size; i++)
-        printf("%02X", entry->value[i]);
-    putchar('"');
-    if (entry->size > 0 && entry->size <= NUMBER_SIZE)
-        printf(", \"value\": %llu", (unsigned long long)get_le(entry->value, entry->size));
-    putchar('}');
-}
+    show.failed = !show.view->begin();
+    for (; *names && !show.failed; names++) {
+        const int code = show_file(&show, *names);
 
-static void print_all(const struct ccf *ccf, bool json)
-{
-    struct ccf_reader reader;
-    struct ccf_entry entry;
-    bool first = true;
-
-    if (json)
-        putchar('[');
-    ccf_reader_init(&reader, ccf);
-    while (ccf_read(&reader, &entry)) {
-        if (json)
-            print_json(&entry, first);
-        else
-            print_line(&entry);
-        first = false;
+        result = code > result ? code : result;
     }
-    if (json)
-        puts(first ? "]" : "\n]");
-}
-
-static int show(const char *name, bool json)
-{
-    struct co_report report = { .file = name, .sink = file_report_line };
-    struct ccf ccf;
-    char *bytes;
-    size_t size;
-    enum co_err err = file_read(name, &bytes, &size);
-
-    if (err != CO_OK) {
-        file_tell("ccfread", name, err);
-        return EXIT_TROUBLE;
-    }
-    err = ccf_parse((const uint8_t *)bytes, size, &report, &ccf);
-    free(bytes);
-    if (err != CO_OK)
-        return EXIT_TROUBLE;
-    print_all(&ccf, json);
-    ccf_done(&ccf);
-    return fflush(stdout) == 0 && !ferror(stdout) ? 0 : EXIT_TROUBLE;
+    if (show.failed || !show.view->end() || fflush(stdout) != 0)
+        return input_tell_output();
+    return result;
 }
 
 int main(int argc, char **argv)
 {
-    bool json = false;
-    int option;
+    struct arguments arguments = { .eds = NULL };
+    struct dcf eds = { .count = 0 };
+    const struct dcf *known = NULL;
+    int result;
 
     if (argc < 2) {
         fputs(help, stderr);
         return EXIT_TROUBLE;
     }
-    while ((option = getopt_long(argc, argv, "h", options, NULL)) != -1) {
-        switch (option) {
-        case OPTION_JSON: json = true; break;
-        case 'h': return fputs(help, stdout) < 0 ? EXIT_TROUBLE : 0;
-        case OPTION_VERSION: return tool_print_version("ccfread") ? 0 : EXIT_TROUBLE;
-        default: fputs("Try 'ccfread --help'.\n", stderr); return EXIT_TROUBLE;
-        }
+    result = parse_arguments(argc, argv, &arguments);
+    if (result >= 0)
+        return result;
+    if (arguments.eds) {
+        if (!input_read_eds(arguments.eds, &eds))
+            return EXIT_TROUBLE;
+        known = &eds;
     }
-    if (optind + 1 != argc) {
-        fputs("ccfread: one file expected\nTry 'ccfread --help'.\n", stderr);
-        return EXIT_TROUBLE;
-    }
-    return show(argv[optind], json);
+    result = arguments.diff ? diff_files(argv[optind], argv[optind + 1], known, arguments.json)
+                            : show_files(argv + optind, &arguments, known);
+    dcf_done(&eds);
+    return result;
 }

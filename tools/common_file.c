@@ -7,6 +7,18 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum co_err file_read_input(const char *name, char **ret_text, size_t *ret_size)
+{
+    if (strcmp(name, "-") == 0)
+        return file_read_stream(stdin, ret_text, ret_size);
+    return file_read(name, ret_text, ret_size);
+}
+
+const char *file_input_name(const char *name)
+{
+    return strcmp(name, "-") == 0 ? "stdin" : name;
+}
+
 char *file_folder(const char *name)
 {
     const char *slash = strrchr(name, '/');

@@ -8,6 +8,13 @@
 #include "base/error.h"
 #include "base/report.h"
 
+#include <stddef.h>
+
+/* As file_read(), with "-" for standard input. */
+enum co_err file_read_input(const char *name, char **ret_text, size_t *ret_size);
+/* The name for messages. */
+const char *file_input_name(const char *name);
+
 /* The folder of a file with its "/", or "" ; freed by free(), NULL: no memory. */
 char *file_folder(const char *name);
 

@@ -1,7 +1,6 @@
 #include "api/file.h"
 
 #include <errno.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -41,17 +40,12 @@ static enum co_err read_stream(FILE *stream, char **text, size_t *size)
     return CO_OK;
 }
 
-enum co_err file_read(const char *path, char **ret_text, size_t *ret_size)
+enum co_err file_read_stream(FILE *stream, char **ret_text, size_t *ret_size)
 {
-    FILE *stream = fopen(path, "re");
     char *text = NULL;
-    enum co_err err;
     size_t size;
+    enum co_err err = read_stream(stream, &text, &size);
 
-    if (!stream)
-        return error_of_errno();
-    err = read_stream(stream, &text, &size);
-    fclose(stream);
     if (err != CO_OK) {
         free(text);
         return err;
@@ -59,6 +53,18 @@ enum co_err file_read(const char *path, char **ret_text, size_t *ret_size)
     *ret_text = text;
     *ret_size = size;
     return CO_OK;
+}
+
+enum co_err file_read(const char *path, char **ret_text, size_t *ret_size)
+{
+    FILE *stream = fopen(path, "re");
+    enum co_err err;
+
+    if (!stream)
+        return error_of_errno();
+    err = file_read_stream(stream, ret_text, ret_size);
+    fclose(stream);
+    return err;
 }
 
 const char *file_error_text(enum co_err err)

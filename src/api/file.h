@@ -8,6 +8,7 @@
 #include "manager/network_config.h"
 
 #include <stddef.h>
+#include <stdio.h>
 
 #define FILE_SIZE_MAX (64u * 1024u * 1024u) /* more is no configuration file */
 
@@ -17,6 +18,8 @@
  * CO_ERR_IO, CO_ERR_MEMORY.
  */
 enum co_err file_read(const char *path, char **ret_text, size_t *ret_size);
+/* The same of what is left of a stream, which stays open: standard input. */
+enum co_err file_read_stream(FILE *stream, char **ret_text, size_t *ret_size);
 /* What an error of file_read() means to the user. */
 const char *file_error_text(enum co_err err);
 

@@ -1,0 +1,145 @@
+#include "ccfread_json.h"
+
+#include "ccfread_value.h"
+#include "ccfread_view.h"
+
+#include "base/bytes.h"
+#include "json/json_text.h"
+
+#include <stdlib.h>
+
+/* Files may have millions of entries: they are written one by one, none is kept. */
+
+static json_t *hex_of(const uint8_t *bytes, size_t size)
+{
+    static const char digits[] = "0123456789ABCDEF";
+    char *text = malloc(2 * size + 1);
+    json_t *hex;
+
+    if (!text)
+        return NULL;
+    for (size_t i = 0; i < size; i++) {
+        text[2 * i] = digits[bytes[i] >> 4];
+        text[2 * i + 1] = digits[bytes[i] & 0xF];
+    }
+    hex = json_stringn_nocheck(text, 2 * size);
+    free(text);
+    return hex;
+}
+
+/* JSON numbers of most readers are signed: greater ones are text. */
+static json_t *number_of(uint64_t number)
+{
+    return number <= INT64_MAX ? json_integer((json_int_t)number)
+                               : json_sprintf("%llu", (unsigned long long)number);
+}
+
+static json_t *time_of(const struct ccf_entry *entry, uint8_t type)
+{
+    struct text text;
+
+    text_clear(&text);
+    value_add_time(&text, entry, type);
+    return json_string(text.line);
+}
+
+/* NULL: none, or it has more bytes than numbers have. */
+static json_t *integer_of(const struct ccf_entry *entry, uint8_t type)
+{
+    if (entry->size == 0 || entry->size > sizeof(uint64_t))
+        return NULL;
+    return od_type_signed(type) ? json_integer(value_signed(entry))
+                                : number_of(get_le(entry->value, entry->size));
+}
+
+/* NULL: there is nothing but the bytes. */
+static json_t *value_of(const struct ccf_entry *entry, uint8_t type)
+{
+    switch (type) {
+    case OD_BOOLEAN:
+        return entry->value[0] <= 1 ? json_boolean(entry->value[0]) : integer_of(entry, type);
+    case OD_REAL32:
+    case OD_REAL64: return json_real(value_real(entry)); /* NULL for those that are no number */
+    case OD_VISIBLE_STRING: return json_text_of((const char *)entry->value, entry->size);
+    case OD_TIME_OF_DAY:
+    case OD_TIME_DIFFERENCE: return time_of(entry, type);
+    case OD_OCTET_STRING:
+    case OD_UNICODE_STRING:
+    case OD_DOMAIN: return NULL;
+    default: return integer_of(entry, type);
+    }
+}
+
+static bool begin(void)
+{
+    return putchar('[') != EOF;
+}
+
+static bool end(void)
+{
+    return puts("\n]") != EOF;
+}
+
+static bool open_file(const struct view_file *file, bool has_eds)
+{
+    (void)has_eds;
+    return fputs(file->is_first ? "\n{\"file\": " : ",\n{\"file\": ", stdout) != EOF &&
+           json_write(json_text(file->name), VIEW_JSON_STYLE, stdout) &&
+           printf(", \"size\": %zu, \"count\": %lu, \"entries\": [", file->size,
+                  (unsigned long)file->count) > 0;
+}
+
+static void set_described(json_t *object, const struct dcf_entry *described)
+{
+    json_object_set_new(object, "type", json_string(od_type_name(described->type)));
+    if (described->name)
+        json_object_set_new(object, "name", json_text(described->name));
+}
+
+json_t *view_json_of(const struct ccf_entry *entry, size_t offset, uint8_t type)
+{
+    json_t *value = value_of(entry, type);
+    json_t *object = json_pack("{sI sI so}", "offset", (json_int_t)offset, "size",
+                               (json_int_t)entry->size, "data", hex_of(entry->value, entry->size));
+
+    if (value)
+        json_object_set_new(object, "value", value);
+    return object;
+}
+
+static bool show(const struct view_entry *self, bool has_eds)
+{
+    const struct ccf_entry *entry = self->entry;
+    json_t *object = view_json_of(entry, self->offset, view_type(self));
+
+    (void)has_eds;
+    json_object_set_new(object, "index", json_integer(entry->index));
+    json_object_set_new(object, "sub", json_integer(entry->sub));
+    if (self->described)
+        set_described(object, self->described);
+    if (self->extra)
+        json_object_set_new(object, "extra", json_true());
+    if (self->warning)
+        json_object_set_new(object, "warning", json_text(self->warning));
+    return fputs(self->is_first ? "\n  " : ",\n  ", stdout) != EOF &&
+           json_write(object, VIEW_JSON_STYLE, stdout);
+}
+
+static bool close_file(const struct view_file *file, const struct view_rest *rest,
+                       const char *error)
+{
+    json_t *damage;
+
+    (void)file;
+    if (!error)
+        return fputs("\n], \"error\": null}", stdout) != EOF;
+    damage = json_pack("{so sI sI so}", "message", json_text(error), "offset",
+                       (json_int_t)rest->offset, "left", (json_int_t)rest->size, "data",
+                       hex_of(rest->bytes, rest->size));
+    return fputs("\n], \"error\": ", stdout) != EOF &&
+           json_write(damage, VIEW_JSON_STYLE, stdout) && putchar('}') != EOF;
+}
+
+const struct view view_json = {
+    .begin = begin, .open = open_file, .show = show, .close = close_file, .end = end
+};

@@ -22,7 +22,7 @@ install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${doc_dir})
 install(FILES docs/network-xml.md docs/real-hardware.md docs/threading.md DESTINATION ${doc_dir}/docs)
 install(FILES docs/network.xsd DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/mcanopen)
 
-# ---- CMake: mcanopen::mcanopen and mcanopen::static ----------------------------------------------
+# ---- CMake: mcanopen::mcanopen, mcanopen::static, mcanopen::dcf2ccf ------------------------------
 
 install(EXPORT mcanopenTargets NAMESPACE mcanopen:: DESTINATION ${package_dir})
 set(static_library ${CMAKE_INSTALL_FULL_LIBDIR}/libmcanopen.a)
@@ -33,7 +33,8 @@ configure_package_config_file(cmake/mcanopenConfig.cmake.in
 write_basic_package_version_file(${package_build}/mcanopenConfigVersion.cmake
     COMPATIBILITY SameMajorVersion) # as the SONAME
 install(FILES ${package_build}/mcanopenConfig.cmake
-    ${package_build}/mcanopenConfigVersion.cmake DESTINATION ${package_dir})
+    ${package_build}/mcanopenConfigVersion.cmake cmake/mcanopenCcf.cmake
+    DESTINATION ${package_dir})
 
 # ---- pkg-config ----------------------------------------------------------------------------------
 

@@ -351,7 +351,8 @@ run_examples()
 run_demo()
 {
     rm -rf "$build/fresh"
-    for example in boot-network async-sdo async-io cia401-io level-sensor manager-with-data; do
+    for example in boot-network async-sdo async-io cia401-io level-sensor manager-with-data \
+        dcf-in-cmake; do
         MCANOPEN_BUILD=$build/fresh/demo sh examples/$example/run.sh virtual:demo-$$ || return 1
     done
 }

@@ -25,11 +25,14 @@ set(command ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_SOURCE_DIR}/install/test_in
     ${CMAKE_CURRENT_BINARY_DIR}/install.json)
 add_test(NAME install COMMAND ${command} C)
 add_test(NAME install_fetched COMMAND ${command} Fetched)
+add_test(NAME install_ccf COMMAND ${Python3_EXECUTABLE} -B
+    ${CMAKE_CURRENT_SOURCE_DIR}/install/test_install_ccf.py
+    ${CMAKE_CURRENT_BINARY_DIR}/install.json)
 if(MCANOPEN_CXX)
     add_test(NAME install_cxx COMMAND ${command} Cxx)
 else()
     add_test(NAME install_cxx COMMAND ${CMAKE_COMMAND} -E echo "cannot run: no C++ compiler")
     set_tests_properties(install_cxx PROPERTIES SKIP_REGULAR_EXPRESSION "cannot run")
 endif()
-set_tests_properties(install install_cxx install_fetched PROPERTIES
+set_tests_properties(install install_ccf install_cxx install_fetched PROPERTIES
     LABELS install TIMEOUT 300 RESOURCE_LOCK install_manifest)

@@ -128,7 +128,7 @@ class C(Applications, InstalledCopy):
             if file.suffix in (".cmake", ".pc"):
                 names.append(file)
                 self.check_contents(file.name, file.read_bytes(), paths)
-        self.assertEqual(len(names), 10)
+        self.assertEqual(len(names), 11)
 
     def programs(self):
         return ["bin/mcanopen", "bin/dcf2ccf", "bin/ccfread",
@@ -178,10 +178,15 @@ class Fetched(InstalledCopy):
     def test_after_the_build_folder_is_gone(self):
         build = self.folder / "build"
         self.configure(build, f"-DMCANOPEN_SOURCE={self.settings.source}",
-                       f"-DCMAKE_INSTALL_LIBDIR={self.settings.libdir}")
+                       f"-DCMAKE_INSTALL_LIBDIR={self.settings.libdir}",
+                       f"-DCONSUMER_DCF={self.settings.network.with_name('pump.dcf')}")
         run(self.settings.cmake, "--build", build)
+        ccf = (build / "pump.ccf").read_bytes()
         run(self.settings.cmake, "--install", build, "--prefix", self.copy.prefix, DESTDIR="")
         shutil.rmtree(build)
+        self.copy.tool("dcf2ccf", self.settings.network.with_name("pump.dcf"),
+                       self.folder / "pump.ccf")
+        self.assertEqual(ccf, (self.folder / "pump.ccf").read_bytes())
         self.assertEqual(files_below(self.copy.prefix), sorted(
             self.settings.expected_files() + ["bin/shared", "bin/static"]))
         self.check_shared(self.copy.prefix / "bin/shared")

@@ -141,15 +141,23 @@ static bool are_plain(const char *text)
     return ((bytes | (bytes - EIGHT_BYTES(0x20))) & EIGHT_BYTES(0x80)) == 0;
 }
 
+static size_t skip_plain(struct dcf_slice text, size_t place)
+{
+    while (place + 8 <= text.size && are_plain(text.text + place))
+        place += 8;
+    while (place < text.size && (unsigned char)(text.text[place] - 0x20) < 0x60)
+        place++;
+    return place;
+}
+
+/* The size of the next line without its end. */
 static size_t scan_line(struct lexer *self)
 {
     struct dcf_slice rest = self->rest;
     bool not_ascii = false, control = false;
-    size_t size = 0;
+    size_t size = skip_plain(rest, 0);
 
-    while (size + 8 <= rest.size && are_plain(rest.text + size))
-        size += 8;
-    for (; size < rest.size; size++) {
+    for (; size < rest.size; size = skip_plain(rest, size + 1)) {
         unsigned char c = (unsigned char)rest.text[size];
 
         if (c == '\n' || c == '\r')

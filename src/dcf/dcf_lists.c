@@ -58,27 +58,26 @@ static bool parse_index(struct dcf_slice text, uint32_t *ret_index)
 static void check_listed(struct dcf_builder *self, const struct dcf_section *section,
                          const struct dcf_key *key, struct place *places)
 {
-    struct dcf_shown name = dcf_show(section->name);
     uint32_t index;
 
     if (!parse_index(key->value, &index)) {
         dcf_tell(self->report, DCF_RULE_LIST_ENTRY, key->line,
-                 "[%s] %s: an index expected, there is \"%s\": ignored", name.text,
-                 dcf_show(key->name).text, dcf_show(key->value).text);
+                 "[%s] %s: an index expected, there is \"%s\": ignored",
+                 dcf_show(section->name).text, dcf_show(key->name).text, dcf_show(key->value).text);
         return;
     }
     if (places[index].list_line != 0)
         dcf_tell(self->report, DCF_RULE_LISTED_TWICE, key->line,
-                 "[%s]: %04lXh expected once, it is also in line %u", name.text,
+                 "[%s]: %04lXh expected once, it is also in line %u", dcf_show(section->name).text,
                  (unsigned long)index, places[index].list_line);
     else if (!belongs(section->kind, index))
         dcf_tell(self->report, DCF_RULE_WRONG_LIST, key->line,
-                 "[%s]: %04lXh expected in [%s], it is here", name.text, (unsigned long)index,
-                 list_of(index));
+                 "[%s]: %04lXh expected in [%s], it is here", dcf_show(section->name).text,
+                 (unsigned long)index, list_of(index));
     if (places[index].section_line == 0 && !dcf_has_object(self->dcf, (uint16_t)index))
         dcf_tell(self->report, DCF_RULE_LISTED_MISSING, key->line,
-                 "[%s]: a section [%04lX] for this index expected, it is missing", name.text,
-                 (unsigned long)index);
+                 "[%s]: a section [%04lX] for this index expected, it is missing",
+                 dcf_show(section->name).text, (unsigned long)index);
     places[index].list_line = key->line;
 }
 

@@ -99,23 +99,46 @@ static int compare_keys(const void *left, const void *right)
     return difference != 0 ? difference : (a->line > b->line) - (a->line < b->line);
 }
 
-/* Few, as in nearly all sections, by insertion. */
-static void sort_keys(struct dcf_section *section)
+/* Few, as nearly all sections have, are found without an order. */
+static bool has_few_keys(const struct dcf_section *section)
 {
-    struct dcf_key *keys = section->keys;
+    return section->count <= FEW_KEYS;
+}
 
-    if (section->count > FEW_KEYS) {
-        qsort(keys, section->count, sizeof *keys, compare_keys);
-        return;
-    }
-    for (size_t i = 1; i < section->count; i++) {
-        struct dcf_key key = keys[i];
-        size_t place = i;
+/* Most names differ in their length or in the first letter. */
+static bool is_name(struct dcf_slice a, struct dcf_slice b)
+{
+    const int case_bit = 'a' - 'A';
 
-        for (; place > 0 && compare_names(keys[place - 1].name, key.name) > 0; place--)
-            keys[place] = keys[place - 1];
-        keys[place] = key;
+    return a.size == b.size && ((a.text[0] ^ b.text[0]) & ~case_bit) == 0 &&
+           dcf_slice_compare(a, b) == 0;
+}
+
+static struct dcf_key *scan(struct dcf_key *keys, size_t count, struct dcf_slice name)
+{
+    for (struct dcf_key *key = keys; key < keys + count; key++) {
+        if (is_name(key->name, name))
+            return key;
     }
+    return NULL;
+}
+
+static struct dcf_key *bisect(const struct dcf_section *section, struct dcf_slice name)
+{
+    size_t low = 0, high = section->count;
+
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        int difference = compare_names(section->keys[middle].name, name);
+
+        if (difference == 0)
+            return &section->keys[middle];
+        if (difference < 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return NULL;
 }
 
 static void tell_twice(const struct dcf_section *section, struct co_report *report,
@@ -129,18 +152,31 @@ static void tell_twice(const struct dcf_section *section, struct co_report *repo
              dcf_show(again->value).text, dcf_show(first->value).text);
 }
 
-/* Leaves the last of keys that are the same. */
+/* Leaves the last of keys that are the same; where there are many, same ones are neighbours. */
 static void merge_keys(struct dcf_section *section, struct co_report *report)
 {
-    struct dcf_key *keys = section->keys;
+    bool few = has_few_keys(section);
     size_t count = 0;
 
     for (size_t i = 0; i < section->count; i++) {
-        if (count > 0 && compare_names(keys[count - 1].name, keys[i].name) == 0)
-            tell_twice(section, report, &keys[--count], &keys[i]);
-        keys[count++] = keys[i];
+        struct dcf_key *key = &section->keys[i];
+        size_t first = few || count == 0 ? 0 : count - 1;
+        struct dcf_key *same = scan(&section->keys[first], count - first, key->name);
+
+        if (same)
+            tell_twice(section, report, same, key);
+        else
+            same = &section->keys[count++];
+        *same = *key;
     }
     section->count = count;
+}
+
+static void know_keys(struct dcf_section *section, struct co_report *report)
+{
+    if (!has_few_keys(section))
+        qsort(section->keys, section->count, sizeof *section->keys, compare_keys);
+    merge_keys(section, report);
 }
 
 enum co_err dcf_text_sort(struct dcf_text *self, struct co_report *report)
@@ -158,10 +194,8 @@ enum co_err dcf_text_sort(struct dcf_text *self, struct co_report *report)
     qsort(self->sections, self->section_count, sizeof *self->sections, compare_sections);
     if (has_twins(self) && join_twins(self, report) != CO_OK)
         return CO_ERR_MEMORY;
-    for (size_t i = 0; i < self->section_count; i++) {
-        sort_keys(&self->sections[i]);
-        merge_keys(&self->sections[i], report);
-    }
+    for (size_t i = 0; i < self->section_count; i++)
+        know_keys(&self->sections[i], report);
     return CO_OK;
 }
 
@@ -184,21 +218,11 @@ struct dcf_section *dcf_text_find(const struct dcf_text *self, enum dcf_section_
 const struct dcf_key *dcf_section_find(struct dcf_section *self, const char *name)
 {
     struct dcf_slice wanted = dcf_slice_of(name);
-    size_t low = 0, high = self->count;
+    struct dcf_key *key = has_few_keys(self) ? scan(self->keys, self->count, wanted)
+                                             : bisect(self, wanted);
 
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        struct dcf_key *key = &self->keys[middle];
-        int difference = compare_names(key->name, wanted);
-
-        if (difference == 0) {
-            key->used = true;
-            return key->value.size > 0 ? key : NULL;
-        }
-        if (difference < 0)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return NULL;
+    if (!key)
+        return NULL;
+    key->used = true;
+    return key->value.size > 0 ? key : NULL;
 }

@@ -10,17 +10,6 @@ static char fold(char c)
     return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
 }
 
-int dcf_hex_digit(char c)
-{
-    char folded = fold(c);
-
-    if (folded >= '0' && folded <= '9')
-        return folded - '0';
-    if (folded >= 'a' && folded <= 'f')
-        return folded - 'a' + 10;
-    return -1;
-}
-
 static bool same(char a, char b)
 {
     return a == b || fold(a) == fold(b);

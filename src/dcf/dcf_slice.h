@@ -46,7 +46,14 @@ static inline struct dcf_slice dcf_slice_trim(struct dcf_slice self)
     return self;
 }
 
-int dcf_hex_digit(char c); /* -1: none */
+static inline int dcf_hex_digit(char c) /* -1: none */
+{
+    if (c >= '0' && c <= '9')
+        return c - '0';
+    if (c >= 'A' && c <= 'F')
+        return c - 'A' + 10;
+    return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
+}
 
 /* Of ASCII letters only, whatever the locale. */
 int dcf_slice_compare(struct dcf_slice a, struct dcf_slice b);

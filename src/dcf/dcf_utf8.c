@@ -49,10 +49,20 @@ static size_t decode(struct dcf_slice text, uint32_t *ret_character)
     return size;
 }
 
+static struct dcf_slice skip_ascii(struct dcf_slice text)
+{
+    size_t count = 0;
+
+    while (count < text.size && (uint8_t)text.text[count] <= ASCII_LAST)
+        count++;
+    return dcf_slice_skip(text, count);
+}
+
 static bool is_utf8(struct dcf_slice text)
 {
     uint32_t character;
 
+    text = skip_ascii(text);
     while (text.size > 0) {
         size_t size = decode(text, &character);
 

@@ -5,12 +5,14 @@
  *   dcftest_check   one file -> struct result
  *   dcftest_run     all files, several at a time, their results in order -> a writer
  *   dcftest_text, dcftest_json, dcftest_sarif   writers
+ *   dcftest_online  one file against a device; dcftest_sdo, dcftest_value
  *   dcftest_rules   which rules there are, and which are wanted
  */
 #ifndef TOOLS_DCFTEST_H
 #define TOOLS_DCFTEST_H
 
 #include "base/report.h"
+#include "dcf/dcf.h"
 #include "dcf/dcf_rules.h"
 
 #include <stdbool.h>
@@ -24,7 +26,14 @@
 
 /* --- rules: those of src/dcf/, and those of the tool itself --- */
 
-enum tool_rule { RULE_UNREADABLE, TOOL_RULE_COUNT };
+enum tool_rule {
+    RULE_UNREADABLE,
+    RULE_ONLINE_IDENTITY,
+    RULE_ONLINE_OBJECT,
+    RULE_ONLINE_SIZE,
+    RULE_ONLINE_VALUE,
+    TOOL_RULE_COUNT
+};
 
 extern const struct co_rule tool_rules[TOOL_RULE_COUNT];
 
@@ -96,9 +105,10 @@ struct result {
 struct settings {
     struct rule_set rules;
     bool strict, json, sarif, summary;
-    unsigned quiet;  /* 1: no warnings, 2: nothing */
-    unsigned jobs;   /* 0: as many as processors */
-    uint8_t node_id; /* 0: that of the file */
+    unsigned quiet;        /* 1: no warnings, 2: nothing */
+    unsigned jobs;         /* 0: as many as processors */
+    uint8_t node_id;       /* 0: that of the file */
+    const struct dcf *eds; /* NULL: none to compare with */
 };
 
 void result_init(struct result *self, const char *file);
@@ -114,6 +124,12 @@ void result_finish(struct result *self, const char *text, size_t size);
 /* The findings, and the rest behind them, from 0 on; NULL: there are no more. */
 const struct finding *result_at(const struct result *self, size_t number);
 
+/* The whole file, to be freed; false: it cannot be read, that is in the result. */
+bool read_or_tell(const struct settings *settings, const struct file *file, struct result *result,
+                  char **ret_text, size_t *ret_size);
+/* A description for other files to be compared with; its errors are in the result. */
+bool read_eds(const struct settings *settings, const struct file *file, struct result *result,
+              struct dcf *ret_eds);
 /* Everything about one file; for any thread. */
 void check_file(const struct settings *settings, const struct file *file, struct result *result);
 
@@ -142,6 +158,9 @@ extern const struct writer text_writer, json_writer, sarif_writer;
 bool finding_is_shown(const struct settings *settings, const struct finding *finding);
 int exit_code(const struct settings *settings, const struct totals *totals);
 
+/* The whole output for this one result, which is done then. */
+bool write_one(const struct settings *settings, const struct writer *writer, struct result *result,
+               struct totals *ret_totals);
 /* Checks all, writes all, adds all up. False: an output failed, or no memory. */
 bool run_checks(const struct settings *settings, const struct files *files,
                 const struct writer *writer, struct totals *ret_totals);

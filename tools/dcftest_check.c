@@ -4,7 +4,8 @@
 #include "api/file.h"
 #include "common_file.h"
 #include "common_tool.h"
-#include "dcf/dcf.h"
+#include "dcf/dcf_compare.h"
+#include "dcf/dcf_lint.h"
 #include "dcf/dcf_slice.h"
 
 #include <errno.h>
@@ -241,12 +242,22 @@ static enum co_err try_configuration(struct check *self, const struct dcf *dcf,
     return err;
 }
 
+/* What is only told; the manager does not ask. */
+static enum co_err lint(const struct check *self, const struct dcf *dcf, struct co_report *report)
+{
+    if (self->settings->eds)
+        dcf_compare(dcf, self->settings->eds, report);
+    return dcf_lint(dcf, report);
+}
+
 static void check_text(struct check *self, const char *text, size_t size)
 {
     struct co_report report = { .sink = take_message, .context = self };
     struct dcf dcf;
     enum co_err err = dcf_parse(text, size, &report, &dcf);
 
+    if (err == CO_OK && lint(self, &dcf, &report) != CO_OK)
+        self->result->no_memory = true;
     if (err == CO_OK)
         err = try_configuration(self, &dcf, &report);
     dcf_done(&dcf);
@@ -263,20 +274,52 @@ static const char *read_error(const struct file *file, enum co_err err)
     return err == CO_ERR_VALUE || err == CO_ERR_MEMORY ? file_error_text(err) : strerror(errno);
 }
 
-void check_file(const struct settings *settings, const struct file *file, struct result *result)
+bool read_or_tell(const struct settings *settings, const struct file *file, struct result *result,
+                  char **ret_text, size_t *ret_size)
+{
+    enum co_err err = CO_ERR_IO;
+
+    if (!file->error)
+        err = file_read(file->path, ret_text, ret_size);
+    if (err != CO_OK)
+        result_add(result, settings, &tool_rules[RULE_UNREADABLE], 0, read_error(file, err));
+    return err == CO_OK;
+}
+
+static void take_error(void *context, const struct co_message *message)
+{
+    if (message->severity == CO_ERROR)
+        take_message(context, message);
+}
+
+bool read_eds(const struct settings *settings, const struct file *file, struct result *result,
+              struct dcf *ret_eds)
 {
     struct check self = { .settings = settings, .file = file, .result = result };
+    struct co_report report = { .sink = take_error, .context = &self };
     enum co_err err = CO_ERR_IO;
     char *text = NULL;
     size_t size = 0;
 
     result_init(result, file->path);
-    if (!file->error)
-        err = file_read(file->path, &text, &size);
-    if (err == CO_OK)
+    if (read_or_tell(settings, file, result, &text, &size))
+        err = dcf_parse(text, size, &report, ret_eds);
+    if (err == CO_ERR_MEMORY)
+        result->no_memory = true;
+    result_finish(result, text, size);
+    free(text);
+    return err == CO_OK;
+}
+
+void check_file(const struct settings *settings, const struct file *file, struct result *result)
+{
+    struct check self = { .settings = settings, .file = file, .result = result };
+    char *text = NULL;
+    size_t size = 0;
+
+    result_init(result, file->path);
+    if (read_or_tell(settings, file, result, &text, &size))
         check_text(&self, text, size);
-    else
-        result_add(result, settings, &tool_rules[RULE_UNREADABLE], 0, read_error(file, err));
     result_finish(result, text, size);
     free(text);
 }

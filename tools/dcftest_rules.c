@@ -14,6 +14,17 @@ const struct co_rule tool_rules[TOOL_RULE_COUNT] = {
     [RULE_UNREADABLE] = { "unreadable", CO_ERROR, 0, "dcftest",
                           "The file can be read, and a folder has files that end in .eds or "
                           ".dcf." },
+    [RULE_ONLINE_IDENTITY] = { "online-identity", CO_WARNING, 0, "CiA 301, objects 1000h and 1018h",
+                               "With --online: the device is of the type, vendor, product and "
+                               "revision of the file, and has its node-ID." },
+    [RULE_ONLINE_OBJECT] = { "online-object", CO_WARNING, 0,
+                             "CiA 306-1, 6.6.3.2 (object description)",
+                             "With --online: the device has what the file describes, and lets "
+                             "it be read." },
+    [RULE_ONLINE_SIZE] = { "online-size", CO_WARNING, 0, "CiA 306-1, 6.6.3.2 (object description)",
+                           "With --online: a value has the size of its data type." },
+    [RULE_ONLINE_VALUE] = { "online-value", CO_WARNING, 0, "CiA 306-1, 7.3.1 (values of a DCF)",
+                            "With --online: the device has the ParameterValue of the DCF." },
 };
 
 const struct co_rule *rule_at(size_t number)

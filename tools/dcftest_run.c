@@ -143,6 +143,17 @@ static bool run_all(struct run *self, const struct writer *writer, struct output
     return good;
 }
 
+bool write_one(const struct settings *settings, const struct writer *writer, struct result *result,
+               struct totals *ret_totals)
+{
+    struct output output = { .settings = settings };
+    bool good = writer->begin(&output) && write_result(&output, writer, result);
+
+    good = good && writer->end(&output);
+    *ret_totals = output.totals;
+    return good;
+}
+
 bool run_checks(const struct settings *settings, const struct files *files,
                 const struct writer *writer, struct totals *ret_totals)
 {

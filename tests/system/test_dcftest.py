@@ -9,49 +9,13 @@ from pathlib import Path
 from urllib.parse import unquote, urlparse
 
 import plant
-from devices import UNSIGNED8, UNSIGNED16, Entry, dcf, standard
+from dcftest import (CLEAN, DCFTEST, ERRORS, TROUBLE, DcftestTest, device, with_error,
+                     with_warning)
 
-DCFTEST = str(plant.TOOLS / "dcftest")
-CLEAN, ERRORS, TROUBLE = 0, 1, 2
 NOBODY = 65534
 # What the problem matchers of editors expect of a compiler.
 GCC_LINE = re.compile(r"^(?P<file>.*?):(?P<line>\d+):(?P<column>\d*):?\s+"
                       r"(?P<severity>warning|error):\s+(?P<text>.*)$")
-
-
-def device(node=5, **values):
-    """A file without a fault."""
-    return dcf(node, [*standard(5), Entry(0x2000, UNSIGNED8, 0, "rw", values.get("value"))])
-
-
-def with_error():
-    return device(value=256)
-
-
-def with_warning():
-    return device().replace("[DummyUsage]", "# a comment\n[DummyUsage]")
-
-
-class DcftestTest(plant.PlantTest):
-    def run_tool(self, *arguments, **options):
-        words = [*plant.WRAP, DCFTEST, *map(str, arguments)]
-        done = subprocess.run(words, capture_output=True, cwd=self.folder, timeout=plant.LIMIT,
-                              check=False, **options)
-        done.out, done.err = (text.decode(errors="surrogateescape")
-                              for text in (done.stdout, done.stderr))
-        return done
-
-    def check(self, code, *arguments, **options):
-        """The lines of stdout; the exit code must be this one."""
-        done = self.run_tool(*arguments, **options)
-        self.assertEqual(done.returncode, code, done.out + done.err)
-        return done.out.splitlines()
-
-    def refuse(self, text, *arguments):
-        """Wrong usage: nothing on stdout."""
-        done = self.run_tool(*arguments)
-        self.assertEqual((done.returncode, done.out), (TROUBLE, ""))
-        self.assertIn(text, done.err)
 
 
 class Lines(DcftestTest):
@@ -96,6 +60,13 @@ class Lines(DcftestTest):
         self.write("no.bin", "x")
         self.assertFalse(any("DownloadFile" in line for line in self.check(CLEAN, "a.dcf")))
 
+    def test_what_does_not_fit_together(self):
+        """Beyond the reading: warnings that the manager does not have."""
+        self.write("a.dcf", device().replace("DefaultValue=4\n", "DefaultValue=3\n"))
+        lines = self.check(CLEAN, "a.dcf")
+        self.assertEqual(len(lines), 1, lines)
+        self.assertRegex(lines[0], r"^a\.dcf:\d+: warning: 1018h:00 .* \[sub-0-default\]$")
+
     def test_node_id(self):
         """$NODEID+200 is an UNSIGNED8 for some node-IDs."""
         self.write("a.dcf", device(value="$NODEID+200"))
@@ -137,6 +108,9 @@ class Files(DcftestTest):
         os.symlink("a.dcf", self.folder / "plant" / "b.dcf")
         os.symlink("..", self.folder / "plant" / "c.dcf")
         os.symlink(".", self.folder / "plant" / "d")
+        (self.folder / "other").mkdir()
+        self.write("other/e.dcf", with_warning())
+        os.symlink("../other", self.folder / "plant" / "e")
         os.symlink("plant", self.folder / "here")
         names = [line.split(":")[0] for line in self.check(CLEAN, "here")]
         self.assertEqual(names, ["here/a.dcf", "here/b.dcf"])
@@ -375,6 +349,35 @@ class Forms(DcftestTest):
         place = log["runs"][0]["results"][0]["locations"][0]["physicalLocation"]
         uri = urlparse(place["artifactLocation"]["uri"])
         self.assertEqual((uri.scheme, uri.netloc, Path(unquote(uri.path))), ("file", "", path))
+
+
+class WithEds(DcftestTest):
+    def test_eds(self):
+        """What is not as in the EDS is told, with lines of the DCF."""
+        self.write("a.eds", device(None))
+        self.write("same.dcf", device())
+        self.write("b.dcf", device().replace("AccessType=rw", "AccessType=ro"))
+        self.assertEqual(self.check(CLEAN, "--eds", "a.eds", "same.dcf"), [])
+        lines = self.check(CLEAN, "--eds", "a.eds", "b.dcf", "same.dcf")
+        self.assertTrue(lines)
+        for line in lines:
+            self.assertRegex(line, r"^b\.dcf:\d+: warning: .* \[eds-access\]$")
+        self.check(ERRORS, "--strict", "--eds", "a.eds", "b.dcf")
+        self.assertEqual(self.check(CLEAN, "--strict", "b.dcf"), [])
+
+    def test_bad_eds(self):
+        self.write("a.dcf", device())
+        self.write("b.eds", with_error())
+        lines = self.check(ERRORS, "--eds", "b.eds", "a.dcf")
+        self.assertEqual([line.split(":")[0] for line in lines], ["b.eds"])
+        self.assertEqual(self.check(ERRORS, "--eds=no.eds", "a.dcf"),
+                         ["no.eds: error: No such file or directory [unreadable]"])
+        found = json.loads("\n".join(self.check(ERRORS, "--json", "--eds=no.eds", "a.dcf")))
+        self.assertEqual(found["summary"], {"files": 1, "errors": 1, "warnings": 0})
+        (self.folder / "two").mkdir()
+        self.write("two/a.eds", device(None))
+        self.write("two/b.eds", device(None))
+        self.refuse("--eds: one file expected", "--eds", "two", "a.dcf")
 
 
 if __name__ == "__main__":

@@ -50,13 +50,31 @@ void dcf_check_values(struct dcf_builder *self);
 
 /* dcf_keys.c: keys of a section as numbers and texts, with their messages */
 
-/* The number of a key; 'missing' where it is not given or no number up to 'most' (warning). */
-uint32_t dcf_key_number(struct dcf_builder *self, struct dcf_section *section, const char *name,
-                        uint32_t most, uint32_t missing);
-bool dcf_key_flag(struct dcf_builder *self, struct dcf_section *section, const char *name);
-/* Replaces *text by a copy of the key's value, where it is given. */
-void dcf_key_text(struct dcf_builder *self, struct dcf_section *section, const char *name,
-                  char **text);
+/* The number of a key; 'missing' where there is no key, or no number up to 'most' (warning). */
+uint32_t dcf_number_of_key(struct dcf_builder *self, const struct dcf_section *section,
+                           const struct dcf_key *key, uint32_t most, uint32_t missing);
+/* Replaces *text by a copy of the key's value, where there is a key. */
+void dcf_text_of_key(struct dcf_builder *self, const struct dcf_key *key, char **text);
+
+/* The same by name. */
+static inline uint32_t dcf_key_number(struct dcf_builder *self, struct dcf_section *section,
+                                      const char *name, uint32_t most, uint32_t missing)
+{
+    return dcf_number_of_key(self, section, dcf_section_find(section, name), most, missing);
+}
+
+static inline bool dcf_key_flag(struct dcf_builder *self, struct dcf_section *section,
+                                const char *name)
+{
+    return dcf_key_number(self, section, name, 1, 0) != 0;
+}
+
+static inline void dcf_key_text(struct dcf_builder *self, struct dcf_section *section,
+                                const char *name, char **text)
+{
+    dcf_text_of_key(self, dcf_section_find(section, name), text);
+}
+
 /* The key as a value of an entry: one that is not valid is an error if 'strict', else a warning. */
 void dcf_key_value(struct dcf_builder *self, const struct dcf_section *section,
                    const struct dcf_key *key, uint8_t type, bool strict, struct dcf_value *value);

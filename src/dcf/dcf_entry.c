@@ -75,8 +75,8 @@ static void fill_type(struct dcf_builder *self, struct dcf_section *section,
                       struct dcf_entry *entry)
 {
     uint32_t missing = entry->object_type == OBJECT_DOMAIN ? OD_DOMAIN : 0;
-    uint32_t type = dcf_key_number(self, section, "DataType", UINT16_MAX, missing);
     const struct dcf_key *key = dcf_section_find(section, "DataType");
+    uint32_t type = dcf_number_of_key(self, section, key, UINT16_MAX, missing);
 
     if (type <= UINT8_MAX && od_type_known((uint8_t)type)) {
         entry->type = (uint8_t)type;
@@ -110,10 +110,10 @@ static void fill_flags(struct dcf_builder *self, struct dcf_section *section,
                  dcf_show(section->name).text, (unsigned long)entry->flags);
 }
 
-static void fill_value(struct dcf_builder *self, struct dcf_section *section, const char *name,
-                       const struct dcf_entry *entry, struct dcf_value *value)
+static void fill_value(struct dcf_builder *self, const struct dcf_section *section,
+                       const struct dcf_key *key, const struct dcf_entry *entry,
+                       struct dcf_value *value)
 {
-    const struct dcf_key *key = dcf_section_find(section, name);
     bool strict = value == &entry->parameter && dcf_entry_downloads(entry);
 
     if (key)
@@ -134,8 +134,8 @@ static void fill_limits(struct dcf_builder *self, struct dcf_section *section,
 
     if (!has_limits(entry->type))
         return;
-    fill_value(self, section, "LowLimit", entry, &entry->low);
-    fill_value(self, section, "HighLimit", entry, &entry->high);
+    fill_value(self, section, low, entry, &entry->low);
+    fill_value(self, section, high, entry, &entry->high);
     if ((low && !entry->low.given) || (high && !entry->high.given)) {
         dcf_value_done(&entry->low);
         dcf_value_done(&entry->high);
@@ -168,8 +168,9 @@ void dcf_fill_entry(struct dcf_builder *self, struct dcf_section *section, struc
     fill_flags(self, section, entry);
     fill_limits(self, section, entry);
     dcf_key_text(self, section, "Denotation", &entry->denotation);
-    fill_value(self, section, "DefaultValue", entry, &entry->initial);
-    fill_value(self, section, "ParameterValue", entry, &entry->parameter);
+    fill_value(self, section, dcf_section_find(section, "DefaultValue"), entry, &entry->initial);
+    fill_value(self, section, dcf_section_find(section, "ParameterValue"), entry,
+               &entry->parameter);
     fill_files(self, section, entry);
     dcf_section_find(section, "ParamRefd");
 }

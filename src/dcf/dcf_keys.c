@@ -36,10 +36,9 @@ static void tell_quirks(const struct dcf_builder *self, const struct dcf_section
     }
 }
 
-uint32_t dcf_key_number(struct dcf_builder *self, struct dcf_section *section, const char *name,
-                        uint32_t most, uint32_t missing)
+uint32_t dcf_number_of_key(struct dcf_builder *self, const struct dcf_section *section,
+                           const struct dcf_key *key, uint32_t most, uint32_t missing)
 {
-    const struct dcf_key *key = dcf_section_find(section, name);
     struct dcf_number number;
 
     if (!key)
@@ -48,7 +47,7 @@ uint32_t dcf_key_number(struct dcf_builder *self, struct dcf_section *section, c
         number.too_large || number.magnitude > most) {
         dcf_tell(self->report, DCF_RULE_KEY_NUMBER, key->line,
                  "[%s] %s: a number of 0..%lu expected, there is \"%s\": ignored",
-                 dcf_show(section->name).text, name, (unsigned long)most,
+                 dcf_show(section->name).text, dcf_show(key->name).text, (unsigned long)most,
                  dcf_show(key->value).text);
         return missing;
     }
@@ -56,15 +55,8 @@ uint32_t dcf_key_number(struct dcf_builder *self, struct dcf_section *section, c
     return (uint32_t)number.magnitude;
 }
 
-bool dcf_key_flag(struct dcf_builder *self, struct dcf_section *section, const char *name)
+void dcf_text_of_key(struct dcf_builder *self, const struct dcf_key *key, char **text)
 {
-    return dcf_key_number(self, section, name, 1, 0) != 0;
-}
-
-void dcf_key_text(struct dcf_builder *self, struct dcf_section *section, const char *name,
-                  char **text)
-{
-    const struct dcf_key *key = dcf_section_find(section, name);
     char *copy;
 
     if (!key)

@@ -74,9 +74,9 @@ static enum co_err add_key(struct lexer *self, struct dcf_slice name, struct dcf
             return CO_ERR_MEMORY;
         text->keys = items;
     }
-    text->keys[text->key_count++] = (struct dcf_key){ .name = name,
-                                                      .value = value,
-                                                      .line = self->line };
+    text->keys[text->key_count++] = (struct dcf_key){
+        .name = name, .value = value, .tag = dcf_name_tag(name), .line = self->line
+    };
     text->sections[text->section_count - 1].count++;
     return CO_OK;
 }

@@ -52,6 +52,7 @@ enum dcf_section_kind {
 struct dcf_key {
     struct dcf_slice name;
     struct dcf_slice value;
+    uint32_t tag; /* of its name */
     unsigned line;
     bool used; /* somebody asked for it */
 };
@@ -65,6 +66,7 @@ struct dcf_section {
     uint8_t sub;
     bool listed;    /* for who reads lists: its index was in one */
     uint64_t order; /* equal for sections that are the same one */
+    uint32_t tags;  /* of all keys, a bit each: dcf_tag_bit() */
     struct dcf_key *keys;
     size_t count;
 };
@@ -84,8 +86,30 @@ void dcf_text_done(struct dcf_text *self);
 /* The section of an information kind, or the first tool, or NULL. */
 struct dcf_section *dcf_text_find(const struct dcf_text *self, enum dcf_section_kind kind);
 
+/* Different for most different names; of a name that the compiler knows it is a constant. */
+static inline uint32_t dcf_name_tag(struct dcf_slice name)
+{
+    return (uint32_t)name.size << 16 | (uint32_t)(name.text[0] & 0xDF) << 8 |
+           (uint32_t)(name.text[name.size - 1] & 0xDF);
+}
+
+static inline uint32_t dcf_tag_bit(uint32_t tag)
+{
+    return (uint32_t)1 << (tag * 2654435761u >> 27);
+}
+
+/* For dcf_section_find() */
+const struct dcf_key *dcf_section_look(struct dcf_section *self, struct dcf_slice name,
+                                       uint32_t tag);
+
 /* The key, marked as used, or NULL where it is missing or empty. */
-const struct dcf_key *dcf_section_find(struct dcf_section *self, const char *name);
+static inline const struct dcf_key *dcf_section_find(struct dcf_section *self, const char *name)
+{
+    struct dcf_slice wanted = dcf_slice_of(name);
+    uint32_t tag = dcf_name_tag(wanted);
+
+    return self->tags & dcf_tag_bit(tag) ? dcf_section_look(self, wanted, tag) : NULL;
+}
 
 /* For dcf_lex(): what the name of the section tells. */
 void dcf_section_know(struct dcf_section *section, struct co_report *report);

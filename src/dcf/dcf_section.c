@@ -105,19 +105,10 @@ static bool has_few_keys(const struct dcf_section *section)
     return section->count <= FEW_KEYS;
 }
 
-/* Most names differ in their length or in the first letter. */
-static bool is_name(struct dcf_slice a, struct dcf_slice b)
-{
-    const int case_bit = 'a' - 'A';
-
-    return a.size == b.size && ((a.text[0] ^ b.text[0]) & ~case_bit) == 0 &&
-           dcf_slice_compare(a, b) == 0;
-}
-
-static struct dcf_key *scan(struct dcf_key *keys, size_t count, struct dcf_slice name)
+static struct dcf_key *scan(struct dcf_key *keys, size_t count, struct dcf_slice name, uint32_t tag)
 {
     for (struct dcf_key *key = keys; key < keys + count; key++) {
-        if (is_name(key->name, name))
+        if (key->tag == tag && compare_names(key->name, name) == 0)
             return key;
     }
     return NULL;
@@ -161,13 +152,14 @@ static void merge_keys(struct dcf_section *section, struct co_report *report)
     for (size_t i = 0; i < section->count; i++) {
         struct dcf_key *key = &section->keys[i];
         size_t first = few || count == 0 ? 0 : count - 1;
-        struct dcf_key *same = scan(&section->keys[first], count - first, key->name);
+        struct dcf_key *same = scan(&section->keys[first], count - first, key->name, key->tag);
 
         if (same)
             tell_twice(section, report, same, key);
         else
             same = &section->keys[count++];
         *same = *key;
+        section->tags |= dcf_tag_bit(key->tag);
     }
     section->count = count;
 }
@@ -215,11 +207,11 @@ struct dcf_section *dcf_text_find(const struct dcf_text *self, enum dcf_section_
                                                                          : NULL;
 }
 
-const struct dcf_key *dcf_section_find(struct dcf_section *self, const char *name)
+const struct dcf_key *dcf_section_look(struct dcf_section *self, struct dcf_slice name,
+                                       uint32_t tag)
 {
-    struct dcf_slice wanted = dcf_slice_of(name);
-    struct dcf_key *key = has_few_keys(self) ? scan(self->keys, self->count, wanted)
-                                             : bisect(self, wanted);
+    struct dcf_key *key = has_few_keys(self) ? scan(self->keys, self->count, name, tag)
+                                             : bisect(self, name);
 
     if (!key)
         return NULL;

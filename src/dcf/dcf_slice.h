@@ -19,7 +19,8 @@ struct dcf_shown { /* for messages: UTF-8, cut, without control characters */
 
 static inline bool dcf_is_blank(char c)
 {
-    return c == ' ' || c == '\t' || c == '\v' || c == '\f' || c == '\0';
+    return (unsigned char)c <= ' ' &&
+           (c == ' ' || c == '\t' || c == '\v' || c == '\f' || c == '\0');
 }
 
 static inline struct dcf_slice dcf_slice_of(const char *text)

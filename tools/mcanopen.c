@@ -1,6 +1,7 @@
 /*
  * mcanopen: boot a CANopen network, simulate its devices, watch its bus, test a device.
  */
+#include "common_tool.h"
 #include "verbs.h"
 
 #include <signal.h>
@@ -9,13 +10,16 @@
 #include <sys/signalfd.h>
 
 static const char usage[] =
-    "usage: mcanopen VERB ...\n"
+    "Usage: mcanopen VERB [OPTION]...\n"
     "\n"
     "  boot NETWORK.xml           boot the network that the file describes, and watch it\n"
     "  sim NETWORK.xml            simulate the devices of a network from their EDS/DCF files\n"
-    "  sim --node 5 DEVICE.eds    simulate single devices\n"
+    "  sim -n 5 DEVICE.eds        simulate single devices\n"
     "  dump BUS                   print the frames of a bus, as candump -L does\n"
-    "  conform --node 5           test whether a device conforms to CiA 301\n"
+    "  conform -n 5               test whether a device conforms to CiA 301\n"
+    "\n"
+    "  -h, --help                 shows this\n"
+    "      --version              shows the version\n"
     "\n"
     "'mcanopen VERB --help' tells the options of a verb.\n"
     "A bus is a SocketCAN interface (can0, vcan0) or \"virtual:NAME\", a bus of this machine\n"
@@ -46,6 +50,8 @@ static int run_verb(const struct verb *verb, int argc, char **argv)
 {
     char name[32];
 
+    if (argc >= 2 && strcmp(argv[1], "--version") == 0)
+        return check_output(tool_print_version("mcanopen") ? EXIT_UP : EXIT_USAGE);
     snprintf(name, sizeof name, "mcanopen %s", verb->name);
     argv[0] = name;
     return check_output(verb->run(argc, argv));
@@ -65,11 +71,8 @@ int stop_signals(void)
 
 int main(int argc, char **argv)
 {
-    if (argc >= 2 && strcmp(argv[1], "--version") == 0) {
-        printf("mcanopen %d.%d.%d\n", MCANOPEN_VERSION_MAJOR, MCANOPEN_VERSION_MINOR,
-               MCANOPEN_VERSION_PATCH);
-        return EXIT_UP;
-    }
+    if (argc >= 2 && strcmp(argv[1], "--version") == 0)
+        return check_output(tool_print_version("mcanopen") ? EXIT_UP : EXIT_USAGE);
     if (argc >= 2 && (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0)) {
         fputs(usage, stdout);
         return EXIT_UP;

@@ -21,7 +21,7 @@
 #include <unistd.h>
 
 static const char usage[] =
-    "usage: mcanopen boot [options] NETWORK.xml\n"
+    "Usage: mcanopen boot [OPTION]... NETWORK.xml\n"
     "\n"
     "Boots the networks of the file and tells each step of each node, then shows a table of the\n"
     "nodes; stays and reports what happens until Ctrl-C.\n"
@@ -31,7 +31,8 @@ static const char usage[] =
     "  --timeout SECS   wait at most so long for it to come up\n"
     "                   (default: Boot_Time and 5 s more, 30 s where Boot_Time is 0)\n"
     "  -q, --quiet      no steps, only warnings, errors and the table\n"
-    "  -h, --help       this text\n"
+    "  -h, --help       shows this\n"
+    "  --version        shows the version\n"
     "\n"
     "Bus: <Interface> of the file, else can<Net_No>; the environment overrides both:\n"
     "MCANOPEN_NET_0=vcan0 or MCANOPEN_NET_0=virtual:demo for the network with Net_No 0.\n"

@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 static const char usage[] =
-    "usage: mcanopen conform [options] --node ID\n"
+    "Usage: mcanopen conform [OPTION]... -n ID\n"
     "       mcanopen conform --list\n"
     "\n"
     "Tests a CANopen slave on the level of frames: EDS, SDO, dictionary and so on. For the time "
@@ -24,10 +24,10 @@ static const char usage[] =
     "The device is reset before, between and after the tests, and left with the values of a\n"
     "reset. Its outputs may change: test no device that moves something.\n"
     "\n"
-    "  --node ID          the device under test\n"
-    "  --eds FILE         what it says of itself; without it the device is asked, and what only\n"
+    "  -n, --node-id ID   the device under test\n"
+    "  -e, --eds FILE     what it says of itself; without it the device is asked, and what only\n"
     "                     the file can tell is skipped\n"
-    "  --bus BUS          where (default: the bus of --net)\n"
+    "  -i, --bus BUS      where (default: the bus of --net)\n"
     "  --net N            N of MCANOPEN_NET_N, can<N> (default: 0)\n"
     "  --only NAMES       these checks and families alone: --only sdo,od-limits\n"
     "  --skip NAMES       all but these\n"
@@ -39,7 +39,8 @@ static const char usage[] =
     "  --junit FILE       the results as JUnit XML too\n"
     "  -q, --quiet        only what fails, and the summary\n"
     "  -v, --verbose      the frames of every check\n"
-    "  -h, --help         this text\n"
+    "  -h, --help         shows this\n"
+    "  --version          shows the version\n"
     "\n"
     "PASS, FAIL; SKIP and NEEDS-HELP tell the reason, and are no failures.\n"
     "Exit codes: 0 nothing failed, 1 findings, 2 usage or a fault in a file, 3 no bus or no "
@@ -112,7 +113,7 @@ static bool take_number(struct arguments *self, int option)
 
     switch (option) {
     case 'n':
-        good = parse_number(&(struct number){ "--node", 1, NMT_NODE_MAX }, optarg, &number);
+        good = parse_number(&(struct number){ "--node-id", 1, NMT_NODE_MAX }, optarg, &number);
         options->node = (uint8_t)number;
         return good;
     case 'N': return parse_number(&(struct number){ "--net", 0, UINT8_MAX }, optarg, &self->net);
@@ -135,7 +136,7 @@ static bool take_option(struct arguments *self, int option)
     case 't':
     case 'T': return take_number(self, option);
     case 'e': options->eds = optarg; return true;
-    case 'b': options->bus = optarg; return true;
+    case 'i': options->bus = optarg; return true;
     case 'o': options->only = optarg; return check_names("--only", optarg);
     case 's': options->skip = optarg; return check_names("--skip", optarg);
     default: fputs(usage, stderr); return false;
@@ -174,9 +175,9 @@ static bool check_options(struct arguments *self)
 
 static bool parse_options(struct arguments *self, int argc, char **argv)
 {
-    static const struct option options[] = { { "node", required_argument, NULL, 'n' },
+    static const struct option options[] = { { "node-id", required_argument, NULL, 'n' },
                                              { "eds", required_argument, NULL, 'e' },
-                                             { "bus", required_argument, NULL, 'b' },
+                                             { "bus", required_argument, NULL, 'i' },
                                              { "net", required_argument, NULL, 'N' },
                                              { "only", required_argument, NULL, 'o' },
                                              { "skip", required_argument, NULL, 's' },
@@ -192,7 +193,7 @@ static bool parse_options(struct arguments *self, int argc, char **argv)
                                              { NULL, 0, NULL, 0 } };
     int option;
 
-    while ((option = getopt_long(argc, argv, "qvh", options, NULL)) != -1) {
+    while ((option = getopt_long(argc, argv, "n:i:e:qvh", options, NULL)) != -1) {
         if (option == 'h') {
             fputs(usage, stdout);
             exit(EXIT_UP);

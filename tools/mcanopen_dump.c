@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 static const char usage[] =
-    "usage: mcanopen dump [options] BUS\n"
+    "Usage: mcanopen dump [OPTION]... BUS\n"
     "\n"
     "Prints each frame as \"(seconds) BUS ID#DATA\", the log format of candump -L.\n"
     "The time is that of the monotonic clock. Tells on stderr when it listens. Ctrl-C ends it,\n"
@@ -24,7 +24,8 @@ static const char usage[] =
     "the wire was free again after the frame.\n"
     "\n"
     "  -n, --count N    end after N frames\n"
-    "  -h, --help       this text\n"
+    "  -h, --help       shows this\n"
+    "  --version        shows the version\n"
     "\n"
     "Exit codes: 0 ended by -n or Ctrl-C, 2 usage, 3 bus error.\n";
 

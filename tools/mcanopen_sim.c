@@ -23,8 +23,8 @@
 #define VALUES_MAX 256u
 
 static const char usage[] =
-    "usage: mcanopen sim [options] NETWORK.xml\n"
-    "       mcanopen sim [options] --node ID DEVICE.eds [--node ID DEVICE.eds ...]\n"
+    "Usage: mcanopen sim [OPTION]... NETWORK.xml\n"
+    "       mcanopen sim [OPTION]... -n ID DEVICE.eds [-n ID DEVICE.eds]...\n"
     "\n"
     "Simulates CANopen devices from their EDS or DCF files: dictionary, SDO servers, NMT, "
     "boot-up,\n"
@@ -32,9 +32,10 @@ static const char usage[] =
     "until\n"
     "Ctrl-C.\n"
     "\n"
-    "  --node ID FILE   a device with this node-ID; with NETWORK.xml it replaces that node's file\n"
+    "  -n, --node-id ID FILE\n"
+    "                   a device with this node-ID; with NETWORK.xml it replaces that node's file\n"
     "  --without ID     leave this node of NETWORK.xml out\n"
-    "  --bus BUS        where (default: the bus of the network with --net, as 'boot' has it)\n"
+    "  -i, --bus BUS    where (default: the bus of the network with --net, as 'boot' has it)\n"
     "                   virtual:NAME?bitrate=500000: frames take the time of a real bus\n"
     "  --net N          network of the file (default: the first), or N of MCANOPEN_NET_N, can<N>\n"
     "\n"
@@ -55,7 +56,8 @@ static const char usage[] =
     "\n"
     "  -q, --quiet      no warnings about the files\n"
     "  -v, --verbose    tell the NMT states of the devices\n"
-    "  -h, --help       this text\n"
+    "  -h, --help       shows this\n"
+    "  --version        shows the version\n"
     "\n"
     "Exit codes: 0 ended, 2 usage or a fault in a file, 3 bus.\n";
 
@@ -411,15 +413,15 @@ static bool parse_number(const char *option, const char *text, uint8_t least, ui
     return true;
 }
 
-/* "--node ID" takes the argument after the ID as well. */
+/* "--node-id ID" takes the argument after the ID as well. */
 static bool take_node(struct sim *self, int argc, char **argv)
 {
     uint8_t node;
 
-    if (!parse_number("--node", optarg, 1, NMT_NODE_MAX, &node))
+    if (!parse_number("--node-id", optarg, 1, NMT_NODE_MAX, &node))
         return false;
     if (optind >= argc) {
-        fprintf(stderr, "mcanopen sim: --node %s: expected a file behind it\n", optarg);
+        fprintf(stderr, "mcanopen sim: --node-id %s: expected a file behind it\n", optarg);
         return false;
     }
     self->devices[node].wanted = true;
@@ -494,7 +496,7 @@ static bool take_option(struct sim *self, int option, int argc, char **argv)
     switch (option) {
     case 'n': return take_node(self, argc, argv);
     case 'w': return take_without(self);
-    case 'b': self->bus = optarg; return true;
+    case 'i': self->bus = optarg; return true;
     case 'N': return take_net(self);
     case 'd': return take_defect(self);
     case 'S': return take_store(self);
@@ -507,20 +509,20 @@ static bool take_option(struct sim *self, int option, int argc, char **argv)
 static bool parse_options(struct sim *self, int argc, char **argv)
 {
     static const struct option options[] = {
-        { "node", required_argument, NULL, 'n' },   { "without", required_argument, NULL, 'w' },
-        { "bus", required_argument, NULL, 'b' },    { "net", required_argument, NULL, 'N' },
-        { "set", required_argument, NULL, 's' },    { "ramp", required_argument, NULL, 'r' },
-        { "toggle", required_argument, NULL, 't' }, { "file", required_argument, NULL, 'f' },
-        { "defect", required_argument, NULL, 'd' }, { "store", required_argument, NULL, 'S' },
-        { "quiet", no_argument, NULL, 'q' },        { "verbose", no_argument, NULL, 'v' },
-        { "help", no_argument, NULL, 'h' },         { NULL, 0, NULL, 0 }
+        { "node-id", required_argument, NULL, 'n' }, { "without", required_argument, NULL, 'w' },
+        { "bus", required_argument, NULL, 'i' },     { "net", required_argument, NULL, 'N' },
+        { "set", required_argument, NULL, 's' },     { "ramp", required_argument, NULL, 'r' },
+        { "toggle", required_argument, NULL, 't' },  { "file", required_argument, NULL, 'f' },
+        { "defect", required_argument, NULL, 'd' },  { "store", required_argument, NULL, 'S' },
+        { "quiet", no_argument, NULL, 'q' },         { "verbose", no_argument, NULL, 'v' },
+        { "help", no_argument, NULL, 'h' },          { NULL, 0, NULL, 0 }
     };
     int option;
     bool any = false;
 
     /* "+": in order, so that a file behind --node is not taken for NETWORK.xml */
     while (optind < argc) {
-        option = getopt_long(argc, argv, "+qvh", options, NULL);
+        option = getopt_long(argc, argv, "+n:i:qvh", options, NULL);
         if (option == 'h') {
             fputs(usage, stdout);
             exit(EXIT_UP);

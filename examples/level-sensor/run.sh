@@ -12,8 +12,8 @@ mkdir -p "$build.sensor"
 start level-sensor "$levels" "$build/examples/level-sensor" "$build.sensor"
 wait_for level-sensor 'on the bus'
 
-echo "== mcanopen conform --node 5 --eds examples/level-sensor/level-sensor.eds"
-"$tools/mcanopen" conform --bus "$bus" --node 5 --eds "$here/level-sensor.eds"
+echo "== mcanopen conform -n 5 --eds examples/level-sensor/level-sensor.eds"
+"$tools/mcanopen" conform --bus "$bus" -n 5 --eds "$here/level-sensor.eds"
 
 echo "== mcanopen dump $bus: the level passes the limit, an emergency is 085"
 start dump /dev/null "$tools/mcanopen" dump "$bus"

@@ -174,7 +174,7 @@ class BadCommand(plant.PlantTest):
                       ["sim"], ["sim", "--fast"], ["sim", "a", "b"], ["dump"],
                       ["dump", "--fast", "b"], ["dump", "a", "b"]):
             with self.subTest(" ".join(words)):
-                self.refused(words, USAGE, "usage: mcanopen")
+                self.refused(words, USAGE, "Usage: mcanopen")
 
     def test_arguments(self):
         """options with arguments that cannot be meant"""
@@ -192,7 +192,7 @@ class BadCommand(plant.PlantTest):
         for words in ([], ["boot"], ["sim"], ["dump"]):
             process = self.run_command([*plant.WRAP, plant.MCANOPEN, *words, "--help"])
             self.assertEqual((process.code, process.err.text()), (0, ""), process.story())
-            self.assertIn("usage: mcanopen", process.out.text())
+            self.assertIn("Usage: mcanopen", process.out.text())
 
     def test_bus(self):
         """no such interface, names that none can have: exit code 3"""

@@ -197,7 +197,7 @@ class Conform(plant.PlantTest):
         self.assertIn("expected 1..127", self.conform("--node", "128", code=2).err.text())
         self.assertIn("No such file",
                       self.conform("--node", "5", "--eds", "none.eds", code=2).err.text())
-        self.assertIn("usage:", self.conform(code=2).err.text())
+        self.assertIn("Usage:", self.conform(code=2).err.text())
         self.assertIn("not expected", self.conform("--node", "5", "6", code=2).err.text())
 
 

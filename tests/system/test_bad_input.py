@@ -164,7 +164,7 @@ class BadCommand(plant.PlantTest):
         process = self.run_command([*plant.WRAP, plant.MCANOPEN, *words], cwd=self.folder)
         self.assertEqual(process.code, code, process.story())
         self.assertIn(text, process.err.text(), process.story())
-        self.assertTrue(process.err.text().startswith(("mcanopen", "usage", "/")), process.story())
+        self.assertTrue(process.err.text().startswith(("mcanopen", "Usage", "/")), process.story())
         self.assertEqual(process.out.text(), "", process.story())
         plant.say(f"mcanopen {' '.join(map(str, words))}: {process.err.text().splitlines()[0]}")
 

@@ -18,19 +18,6 @@ static bool check_valid(struct conform *self)
     return true;
 }
 
-/* What CiA's checker only warns of. */
-static bool is_minor(const char *line, size_t length)
-{
-    static const char *const minor[] = { "a section of CiA 306 expected",
-                                         "a keyword of CiA 306 for this section expected",
-                                         "lines of at most 255 characters expected" };
-
-    for (size_t i = 0; i < sizeof minor / sizeof minor[0]; i++)
-        if (memmem(line, length, minor[i], strlen(minor[i])))
-            return true;
-    return false;
-}
-
 static bool check_standard(struct conform *self)
 {
     char text[900] = "";
@@ -40,7 +27,7 @@ static bool check_standard(struct conform *self)
     for (const char *line = self->eds_messages; line && *line;) {
         const size_t length = strcspn(line, "\n");
 
-        if (length > 0 && !is_minor(line, length)) {
+        if (length > 0) {
             count++;
             if (used + length + 2 < sizeof text)
                 used += (size_t)snprintf(text + used, sizeof text - used, "\n%.*s", (int)length,

@@ -1,7 +1,7 @@
 #include "conform.h"
 
-#include "api/load.h"
-#include "mcanopen.h"
+#include "api/file.h"
+#include "dcf/dcf_rules.h"
 #include "od/abort.h"
 
 #include <stdlib.h>
@@ -16,24 +16,51 @@ struct messages {
     FILE *stream;
 };
 
+/* What CiA's checker only warns of. */
+static bool is_minor(const struct co_message *message)
+{
+    return message->rule == &dcf_rules[DCF_RULE_UNKNOWN_SECTION] ||
+           message->rule == &dcf_rules[DCF_RULE_UNKNOWN_KEY] ||
+           message->rule == &dcf_rules[DCF_RULE_LINE_LENGTH];
+}
+
 static void keep_message(void *context, const struct co_message *message)
 {
     const struct messages *self = context;
 
+    if (is_minor(message))
+        return;
     fprintf(self->stream, "%s\n", message->text);
+}
+
+static bool parse_eds(struct conform *self, struct co_report *report)
+{
+    size_t size;
+    char *text;
+    enum co_err err = file_read(self->options.eds, &text, &size);
+
+    if (err != CO_OK) {
+        co_report_add(report, CO_ERROR, 0, "%s", file_error_text(err));
+        return false;
+    }
+    err = dcf_parse(text, size, report, &self->eds);
+    free(text);
+    return err == CO_OK;
 }
 
 /* A file with errors is a finding of the family "eds"; the run goes on as if there were none. */
 static bool read_eds(struct conform *self)
 {
     struct messages messages;
-    struct co_report report = { .sink = keep_message, .context = &messages };
+    struct co_report report = { .file = self->options.eds,
+                                .sink = keep_message,
+                                .context = &messages };
     size_t size;
 
     messages.stream = open_memstream(&self->eds_messages, &size);
     if (!messages.stream)
         return false;
-    self->has_eds = load_dcf(self->options.eds, &report, &self->eds) == MCANOPEN_OK;
+    self->has_eds = parse_eds(self, &report);
     fclose(messages.stream);
     return true;
 }

@@ -14,21 +14,24 @@ static const char *convert(const char *text, uint8_t type, unsigned *ret_quirks)
 {
     static char shown[200];
     struct dcf_value value;
+    struct co_pool pool = { NULL };
     struct guard guard;
     enum dcf_fit fit;
 
     guard_init(&guard, text, strlen(text));
-    fit = dcf_convert((struct dcf_slice){ guard.bytes, strlen(text) }, type, &value, ret_quirks);
+    fit = dcf_convert(&pool, (struct dcf_slice){ guard.bytes, strlen(text) }, type, &value,
+                      ret_quirks);
     guard_done(&guard);
+    shown[0] = 'N';
+    if (fit == DCF_FITS)
+        hex_format(value.bytes, value.size, shown + value.has_node_id, sizeof shown - 1);
+    co_pool_done(&pool);
     switch (fit) {
     case DCF_FITS: break;
     case DCF_NO_VALUE: return "no value";
     case DCF_OUT_OF_RANGE: return "out of range";
     case DCF_NO_MEMORY: return "no memory";
     }
-    shown[0] = 'N';
-    hex_format(value.bytes, value.size, shown + value.has_node_id, sizeof shown - 1);
-    free(value.bytes);
     return shown;
 }
 

@@ -40,11 +40,12 @@ static const struct {
 
 START_TEST(test_copy)
 {
-    char *copy = dcf_utf8_copy(guarded(texts[_i].bytes));
+    struct co_pool pool = { NULL };
+    char *copy = dcf_utf8_copy(&pool, guarded(texts[_i].bytes));
 
     ck_assert_ptr_nonnull(copy);
     ck_assert_msg(strcmp(copy, texts[_i].text) == 0, "%s: %s", texts[_i].name, copy);
-    free(copy);
+    co_pool_done(&pool);
     guard_done(&guard);
 }
 END_TEST

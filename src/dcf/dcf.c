@@ -6,36 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-void dcf_value_done(struct dcf_value *value)
-{
-    free(value->bytes);
-    *value = (struct dcf_value){ .given = false };
-}
-
-void dcf_entry_done(struct dcf_entry *entry)
-{
-    free(entry->name);
-    free(entry->denotation);
-    free(entry->download_file);
-    free(entry->upload_file);
-    dcf_value_done(&entry->initial);
-    dcf_value_done(&entry->parameter);
-    dcf_value_done(&entry->low);
-    dcf_value_done(&entry->high);
-}
-
 void dcf_done(struct dcf *self)
 {
-    for (size_t i = 0; i < self->count; i++)
-        dcf_entry_done(&self->entries[i]);
     free(self->entries);
-    free(self->vendor_name);
-    free(self->product_name);
-    free(self->node_name);
-    free(self->file_name);
-    free(self->last_eds);
-    free(self->modification_date);
-    free(self->modification_time);
+    co_pool_done(&self->pool);
     *self = (struct dcf){ .count = 0 };
 }
 

@@ -12,6 +12,7 @@
 #define CO_DCF_DCF_H
 
 #include "base/error.h"
+#include "base/pool.h"
 #include "base/report.h"
 #include "dcf/ccf.h"
 #include "od/od.h"
@@ -67,6 +68,7 @@ struct dcf_entry {
 struct dcf {
     struct dcf_entry *entries; /* sorted by index and sub-index */
     size_t count, room;
+    struct co_pool pool; /* of all texts and values */
     /* [DeviceInfo] */
     char *vendor_name;
     char *product_name;

@@ -89,8 +89,6 @@ void dcf_set_text(struct dcf_builder *self, char **text, const char *value);
 /* The entries of one object, or NULL and a count of 0. */
 const struct dcf_entry *dcf_object(const struct dcf *self, uint16_t index, size_t *ret_count);
 bool dcf_has_object(const struct dcf *self, uint16_t index);
-void dcf_entry_done(struct dcf_entry *entry);
-void dcf_value_done(struct dcf_value *value);
 
 /* dcf_check.c */
 

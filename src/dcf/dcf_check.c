@@ -110,8 +110,8 @@ static void check_limits(struct dcf_builder *self, struct dcf_entry *entry, uint
              "ignored",
              entry->index, entry->sub, dcf_number_text(&entry->low, entry->type, node_id).text,
              dcf_number_text(&entry->high, entry->type, node_id).text);
-    dcf_value_done(&entry->low);
-    dcf_value_done(&entry->high);
+    entry->low.given = false;
+    entry->high.given = false;
 }
 
 static void check_value(struct dcf_builder *self, const struct dcf_entry *entry,

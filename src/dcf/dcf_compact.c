@@ -3,7 +3,6 @@
 #include "dcf/dcf_utf8.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define OBJECT_ARRAY 8u
@@ -13,21 +12,6 @@
 static bool is_mapping(uint16_t index)
 {
     return (index >= 0x1600 && index <= 0x17FF) || (index >= 0x1A00 && index <= 0x1BFF);
-}
-
-static void copy_value(struct dcf_builder *self, const struct dcf_value *from, struct dcf_value *to)
-{
-    *to = *from;
-    to->bytes = NULL;
-    if (!from->given)
-        return;
-    to->bytes = malloc(from->size ? from->size : 1);
-    if (!to->bytes) {
-        self->no_memory = true;
-        to->given = false;
-        return;
-    }
-    memcpy(to->bytes, from->bytes, from->size);
 }
 
 static void build_highest_sub(struct dcf_builder *self, const struct dcf_section *section,
@@ -60,9 +44,9 @@ static void build_element(struct dcf_builder *self, const struct dcf_entry *patt
     entry->line = pattern->line;
     snprintf(name, sizeof name, "%s%u", pattern->name ? pattern->name : "", sub);
     dcf_set_text(self, &entry->name, name);
-    copy_value(self, &pattern->initial, &entry->initial);
-    copy_value(self, &pattern->low, &entry->low);
-    copy_value(self, &pattern->high, &entry->high);
+    entry->initial = pattern->initial;
+    entry->low = pattern->low;
+    entry->high = pattern->high;
 }
 
 void dcf_build_compact(struct dcf_builder *self, struct dcf_section *section, unsigned count)
@@ -78,7 +62,6 @@ void dcf_build_compact(struct dcf_builder *self, struct dcf_section *section, un
     build_highest_sub(self, section, count, pattern.access);
     for (unsigned sub = 1; sub <= count && !self->no_memory; sub++)
         build_element(self, &pattern, sub);
-    dcf_entry_done(&pattern);
 }
 
 static struct dcf_entry *find_entry(struct dcf_builder *self, uint16_t index, unsigned sub)
@@ -106,14 +89,8 @@ static void apply_key(struct dcf_builder *self, struct dcf_section *section, str
         dcf_key_value(self, section, key, entry->type, dcf_entry_downloads(entry),
                       &entry->parameter);
     } else {
-        char **text = section->kind == DCF_SECTION_NAME ? &entry->name : &entry->denotation;
-        char *copy = dcf_utf8_copy(key->value);
-
-        self->no_memory |= !copy;
-        if (copy) {
-            free(*text);
-            *text = copy;
-        }
+        dcf_text_of_key(self, key,
+                        section->kind == DCF_SECTION_NAME ? &entry->name : &entry->denotation);
     }
 }
 

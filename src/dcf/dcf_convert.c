@@ -3,7 +3,6 @@
 #include "base/bytes.h"
 #include "dcf/dcf_utf8.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #define TIME_SIZE 6u /* u32 milliseconds, u16 days */
@@ -145,23 +144,23 @@ static enum dcf_fit convert(struct dcf_slice text, uint8_t type, struct dcf_valu
     }
 }
 
-enum dcf_fit dcf_convert(struct dcf_slice text, uint8_t type, struct dcf_value *ret_value,
-                         unsigned *ret_quirks)
+enum dcf_fit dcf_convert(struct co_pool *pool, struct dcf_slice text, uint8_t type,
+                         struct dcf_value *ret_value, unsigned *ret_quirks)
 {
     struct dcf_value value = { .given = true };
+    size_t room = 2 * text.size + 16; /* a character may become two bytes, a digit four */
     enum dcf_fit fit;
 
     *ret_quirks = 0;
     if (text.size > UINT32_MAX / 4)
         return DCF_OUT_OF_RANGE;
-    value.bytes = calloc(2, text.size + 8); /* a character may become two bytes, a digit four */
+    value.bytes = co_pool_take(pool, room);
     if (!value.bytes)
         return DCF_NO_MEMORY;
     fit = convert(text, type, &value, ret_quirks);
-    if (fit != DCF_FITS)
-        free(value.bytes);
-    else
+    if (fit == DCF_FITS)
         *ret_value = value;
+    co_pool_give_back(pool, fit == DCF_FITS ? room - value.size : room);
     return fit;
 }
 

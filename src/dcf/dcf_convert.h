@@ -7,12 +7,9 @@
 #include "dcf/dcf.h"
 #include "dcf/dcf_number.h"
 
-/*
- * Fills given, has_node_id, size and bytes, which are the caller's to free. The quirks are told
- * however it ends.
- */
-enum dcf_fit dcf_convert(struct dcf_slice text, uint8_t type, struct dcf_value *ret_value,
-                         unsigned *ret_quirks);
+/* Fills given, has_node_id, size and bytes. The quirks are told however it ends. */
+enum dcf_fit dcf_convert(struct co_pool *pool, struct dcf_slice text, uint8_t type,
+                         struct dcf_value *ret_value, unsigned *ret_quirks);
 
 /* What a value of this type may look like, for messages. */
 const char *dcf_convert_expected(uint8_t type);

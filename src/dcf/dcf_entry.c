@@ -1,8 +1,6 @@
 /* One object or sub-index section as an entry. */
 #include "dcf/dcf_build.h"
 
-#include <stdlib.h>
-
 #define OBJECT_DOMAIN 2u
 #define OBJECT_VAR    7u
 
@@ -137,8 +135,8 @@ static void fill_limits(struct dcf_builder *self, struct dcf_section *section,
     fill_value(self, section, low, entry, &entry->low);
     fill_value(self, section, high, entry, &entry->high);
     if ((low && !entry->low.given) || (high && !entry->high.given)) {
-        dcf_value_done(&entry->low);
-        dcf_value_done(&entry->high);
+        entry->low.given = false;
+        entry->high.given = false;
     }
 }
 
@@ -152,7 +150,6 @@ static void fill_files(struct dcf_builder *self, struct dcf_section *section,
                  dcf_section_find(section, "DownloadFile")->line,
                  "[%s] DownloadFile: expected for a DOMAIN only, this is %s: ignored",
                  dcf_show(section->name).text, od_type_name(entry->type));
-        free(entry->download_file);
         entry->download_file = NULL;
     }
 }

@@ -3,7 +3,6 @@
 
 #include "base/bytes.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static const struct {
@@ -61,19 +60,17 @@ void dcf_text_of_key(struct dcf_builder *self, const struct dcf_key *key, char *
 
     if (!key)
         return;
-    copy = dcf_utf8_copy(key->value);
-    if (!copy) {
+    copy = dcf_utf8_copy(&self->dcf->pool, key->value);
+    if (copy)
+        *text = copy;
+    else
         self->no_memory = true;
-        return;
-    }
-    free(*text);
-    *text = copy;
 }
 
 void dcf_set_number(struct dcf_builder *self, struct dcf_value *value, uint32_t size,
                     uint32_t number)
 {
-    value->bytes = calloc(1, size);
+    value->bytes = co_pool_take(&self->dcf->pool, size);
     if (!value->bytes) {
         self->no_memory = true;
         return;
@@ -85,8 +82,12 @@ void dcf_set_number(struct dcf_builder *self, struct dcf_value *value, uint32_t 
 
 void dcf_set_text(struct dcf_builder *self, char **text, const char *value)
 {
-    *text = strdup(value);
-    if (!*text)
+    size_t size = strlen(value) + 1;
+
+    *text = co_pool_take(&self->dcf->pool, size);
+    if (*text)
+        memcpy(*text, value, size);
+    else
         self->no_memory = true;
 }
 
@@ -120,12 +121,11 @@ void dcf_key_value(struct dcf_builder *self, const struct dcf_section *section,
 {
     struct dcf_value converted;
     unsigned quirks;
-    enum dcf_fit fit = dcf_convert(key->value, type, &converted, &quirks);
+    enum dcf_fit fit = dcf_convert(&self->dcf->pool, key->value, type, &converted, &quirks);
 
     switch (fit) {
     case DCF_FITS:
         tell_quirks(self, section, key, quirks);
-        dcf_value_done(value);
         *value = converted;
         value->line = key->line;
         break;

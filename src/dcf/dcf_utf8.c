@@ -1,6 +1,5 @@
 #include "dcf/dcf_utf8.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #define ASCII_LAST     0x7Fu
@@ -113,22 +112,23 @@ unsigned dcf_utf8_put(uint32_t character, char *bytes)
     return size;
 }
 
-char *dcf_utf8_copy(struct dcf_slice text)
+char *dcf_utf8_copy(struct co_pool *pool, struct dcf_slice text)
 {
     struct dcf_characters characters = dcf_characters_of(text);
-    size_t room = characters.is_utf8 ? text.size : 3 * text.size, used = 0;
-    char *copy = malloc(room + DCF_UTF8_SIZE_MAX);
+    size_t room = (characters.is_utf8 ? text.size : 3 * text.size) + DCF_UTF8_SIZE_MAX, used = 0;
+    char *copy = co_pool_take(pool, room);
     uint32_t character;
 
     if (!copy)
         return NULL;
     if (characters.is_utf8) {
         memcpy(copy, text.text, text.size);
-        copy[text.size] = '\0';
-        return copy;
+        used = text.size;
+    } else {
+        while (dcf_characters_next(&characters, &character))
+            used += dcf_utf8_put(character, copy + used);
     }
-    while (dcf_characters_next(&characters, &character))
-        used += dcf_utf8_put(character, copy + used);
     copy[used] = '\0';
+    co_pool_give_back(pool, room - used - 1);
     return copy;
 }

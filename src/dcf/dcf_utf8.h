@@ -8,6 +8,7 @@
 #ifndef CO_DCF_DCF_UTF8_H
 #define CO_DCF_DCF_UTF8_H
 
+#include "base/pool.h"
 #include "dcf/dcf_slice.h"
 
 #include <stdbool.h>
@@ -28,6 +29,6 @@ bool dcf_characters_next(struct dcf_characters *self, uint32_t *ret_character);
 unsigned dcf_utf8_put(uint32_t character, char *bytes);
 
 /* A copy in UTF-8 ended by 0, or NULL: no memory. */
-char *dcf_utf8_copy(struct dcf_slice text);
+char *dcf_utf8_copy(struct co_pool *pool, struct dcf_slice text);
 
 #endif

@@ -113,7 +113,7 @@ expect 'the input as output' 2 '' '*dcf2ccf: device.dcf: an input, expected anot
     "$dcf2ccf" device.dcf device.dcf
 same 'nothing is left behind' 'empty.dcf formula.dcf gone.dcf range.dcf text.dcf up.dcf ' \
     "$(ls bad | tr '\n' ' ')"
-same 'no temporary file' 0 "$(find . -name '*.ccf.*' | wc -l | tr -d ' ')"
+same 'no temporary file' 0 "$(find . -name '*.ccf?*' | wc -l | tr -d ' ')"
 printf 'old' >kept.ccf
 expect 'an error, with an older output' 2 '' '*error*' "$dcf2ccf" bad/range.dcf kept.ccf
 same 'the older output stays' old "$(cat kept.ccf)"

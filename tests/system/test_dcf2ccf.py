@@ -2,10 +2,12 @@
 """dcf2ccf from outside: a network's files are what a manager writes to its devices, build systems
 are told what the outputs depend on, and whatever goes wrong, no output is half written.
 """
+import json
 import os
 import signal
 import struct
 import subprocess
+import unittest
 from pathlib import Path
 
 import plant
@@ -307,6 +309,20 @@ class NeverHalf(Dcf2ccf):
         self.assertEqual((self.folder / "b.dcf").read_text(encoding="utf-8"), text)
         self.assertEqual(Path(self.folder / "program.bin").read_bytes(), b"program")
         self.assertFalse((self.folder / "b.ccf").exists())
+
+
+@unittest.skipUnless(plant.CORPUS.is_dir(), f"no corpus in {plant.CORPUS}")
+class Others(plant.PlantTest):
+    def test_concise_files(self):
+        """those of the corpus, made by others: ccfread shows each entry"""
+        files = sorted(plant.CORPUS.rglob("*.bin"))
+        self.assertEqual(len(files), 15)
+        shown = self.run_command([plant.TOOLS / "ccfread", "--json", *files])
+        self.assertEqual(shown.code, 0, shown.story())
+        for path, told in zip(files, json.loads(shown.out.text())):
+            self.assertEqual([(each["index"], each["sub"], bytes.fromhex(each["data"]))
+                              for each in told["entries"]], entries(path.read_bytes()), path)
+            self.assertEqual((told["file"], told["error"]), (str(path), None))
 
 
 if __name__ == "__main__":

@@ -2,11 +2,7 @@
 #include "support/lint.h"
 #include "support/suite.h"
 
-#include <string.h>
-
-static const struct {
-    const char *name, *added, *messages;
-} rows[] = {
+static const struct lint_row rows[] = {
     { "nothing to say", "", "" },
     { "the highest sub-index",
       ARRAY_OF("2000", 3) VALUE("2000sub0", "5", "ro", "3") VALUE("2000sub1", "7", "rw", "0")
@@ -47,13 +43,21 @@ static const struct {
       RECORD_OF("2000", 3) VALUE("2000sub0", "5", "ro", "2") VALUE("2000sub1", "7", "rw", "0")
           VALUE("2000sub2", "6", "rw", "0"),
       "" },
+    { "text that can be mapped", ENTRY("2000", "9", "rw", "PDOMapping=1"),
+      "1 mappable-type: 2000h:00 PDOMapping: 0 expected for VISIBLE_STRING, there is 1\n" },
+    { "text that cannot be mapped", ENTRY("2000", "9", "rw", "PDOMapping=0"), "" },
+    { "a formula for each node-ID", VALUE("2000", "5", "rw", "$NODEID+0x80"), "" },
+    { "a formula for few node-IDs", VALUE("2000", "5", "rw", "$NODEID+0x81"),
+      "5 formula-range: 2000h:00: a value of UNSIGNED8 expected, with node-ID 127 this is too "
+      "large\n" },
+    { "a formula for the node-ID of the file",
+      VALUE("2000", "5", "rw", "$NODEID+0x81") "[DeviceComissioning]\nNodeID=5\nBaudrate=500\n",
+      "" },
 };
 
 START_TEST(objects)
 {
-    const char *messages = lint_of(rows[_i].added);
-
-    ck_assert_msg(strcmp(messages, rows[_i].messages) == 0, "%s:\n%s", rows[_i].name, messages);
+    lint_check(&rows[_i]);
 }
 END_TEST
 

@@ -18,8 +18,7 @@ static uint32_t address(uint16_t index, uint8_t sub)
     return (uint32_t)index << 8 | sub;
 }
 
-/* Place of the first entry that is not before index:sub. */
-static size_t lower_bound(const struct dcf *self, uint16_t index, uint8_t sub)
+size_t dcf_place(const struct dcf *self, uint16_t index, uint8_t sub)
 {
     size_t low = 0, high = self->count;
 
@@ -37,7 +36,7 @@ static size_t lower_bound(const struct dcf *self, uint16_t index, uint8_t sub)
 
 const struct dcf_entry *dcf_find(const struct dcf *self, uint16_t index, uint8_t sub)
 {
-    size_t place = lower_bound(self, index, sub);
+    size_t place = dcf_place(self, index, sub);
 
     if (place == self->count || self->entries[place].index != index ||
         self->entries[place].sub != sub)
@@ -47,7 +46,7 @@ const struct dcf_entry *dcf_find(const struct dcf *self, uint16_t index, uint8_t
 
 const struct dcf_entry *dcf_object(const struct dcf *self, uint16_t index, size_t *ret_count)
 {
-    size_t first = lower_bound(self, index, 0);
+    size_t first = dcf_place(self, index, 0);
     size_t end = first;
 
     while (end < self->count && self->entries[end].index == index)
@@ -58,7 +57,7 @@ const struct dcf_entry *dcf_object(const struct dcf *self, uint16_t index, size_
 
 bool dcf_has_object(const struct dcf *self, uint16_t index)
 {
-    size_t place = lower_bound(self, index, 0);
+    size_t place = dcf_place(self, index, 0);
 
     return place < self->count && self->entries[place].index == index;
 }

@@ -86,6 +86,8 @@ void dcf_set_number(struct dcf_builder *self, struct dcf_value *value, uint32_t 
 void dcf_set_text(struct dcf_builder *self, char **text, const char *value);
 
 /* dcf.c */
+/* The first entry that is not before index:sub; self->count: none. */
+size_t dcf_place(const struct dcf *self, uint16_t index, uint8_t sub);
 /* The entries of one object, or NULL and a count of 0. */
 const struct dcf_entry *dcf_object(const struct dcf *self, uint16_t index, size_t *ret_count);
 bool dcf_has_object(const struct dcf *self, uint16_t index);

@@ -14,24 +14,65 @@ bool dcf_lint_is_mapping(uint16_t index)
     return (index >= 0x1600 && index <= 0x17FF) || (index >= 0x1A00 && index <= 0x1BFF);
 }
 
-static size_t end_of_object(const struct dcf *dcf, size_t first)
+bool dcf_lint_is_communication(uint16_t index)
 {
-    size_t end = first + 1;
+    return (index >= 0x1400 && index <= 0x15FF) || (index >= 0x1800 && index <= 0x19FF);
+}
+
+bool dcf_lint_number(const struct dcf_lint *self, const struct dcf_entry *entry,
+                     const struct dcf_value *value, uint64_t *ret_number)
+{
+    if (!value || !value->given || od_type_size(entry->type) == 0)
+        return false;
+    *ret_number = dcf_value_number(value, entry->type, self->node_id);
+    return true;
+}
+
+static void lint_object(const struct dcf_lint *self, const struct dcf_lint_object *object)
+{
+    uint16_t index = object->entries->index;
+
+    dcf_lint_object(self, object);
+    if (index < 0x1000 || index > 0x1FFF)
+        return;
+    dcf_lint_known(self, object);
+    if (dcf_lint_is_communication(index))
+        dcf_lint_communication(self, object);
+    if (dcf_lint_is_mapping(index))
+        dcf_lint_mapping(self, object);
+}
+
+static bool object_at(const struct dcf *dcf, size_t first, struct dcf_lint_object *ret_object)
+{
+    size_t end = first;
 
     while (end < dcf->count && dcf->entries[end].index == dcf->entries[first].index)
         end++;
-    return end;
+    *ret_object = (struct dcf_lint_object){ &dcf->entries[first], end - first };
+    return end > first;
+}
+
+bool dcf_lint_first(const struct dcf_lint *self, struct dcf_lint_object *ret_object, uint16_t index)
+{
+    return object_at(self->dcf, dcf_place(self->dcf, index, 0), ret_object);
+}
+
+bool dcf_lint_next(const struct dcf_lint *self, struct dcf_lint_object *object)
+{
+    return object_at(self->dcf, (size_t)(object->entries - self->dcf->entries) + object->count,
+                     object);
 }
 
 enum co_err dcf_lint(const struct dcf *self, struct co_report *report)
 {
-    struct dcf_lint lint = { .dcf = self, .report = report };
+    struct dcf_lint lint = { .dcf = self,
+                             .report = report,
+                             .node_id = self->has_node_id ? self->node_id : 1 };
     struct dcf_lint_object object;
 
-    for (size_t i = 0; i < self->count; i += object.count) {
-        object.entries = &self->entries[i];
-        object.count = end_of_object(self, i) - i;
-        dcf_lint_object(&lint, &object);
-    }
-    return CO_OK;
+    dcf_lint_device(&lint);
+    dcf_lint_abilities(&lint);
+    for (bool more = dcf_lint_first(&lint, &object, 0); more; more = dcf_lint_next(&lint, &object))
+        lint_object(&lint, &object);
+    return dcf_lint_cob_ids(&lint) ? CO_OK : CO_ERR_MEMORY;
 }

@@ -6,6 +6,15 @@
 #define ERROR_FIELD   0x1003u
 #define STRUCTURE_SUB 0xFFu
 
+const struct dcf_entry *dcf_lint_sub(const struct dcf_lint_object *object, unsigned sub)
+{
+    for (size_t i = 0; i < object->count && object->entries[i].sub <= sub; i++) {
+        if (object->entries[i].sub == sub)
+            return &object->entries[i];
+    }
+    return NULL;
+}
+
 static unsigned highest_sub(const struct dcf_lint_object *object)
 {
     size_t last = object->count - 1;
@@ -65,8 +74,45 @@ static void check_array(const struct dcf_lint *self, const struct dcf_lint_objec
     }
 }
 
+static bool is_number(uint8_t type)
+{
+    return od_type_size(type) != 0;
+}
+
+/* Once for an object, as above. */
+static void check_mappable(const struct dcf_lint *self, const struct dcf_lint_object *object)
+{
+    for (size_t i = 0; i < object->count; i++) {
+        const struct dcf_entry *entry = &object->entries[i];
+
+        if (!entry->mappable || entry->type == 0 || is_number(entry->type))
+            continue;
+        dcf_tell(self->report, DCF_RULE_MAPPABLE_TYPE, entry->line,
+                 "%04Xh:%02X PDOMapping: 0 expected for %s, there is 1", entry->index, entry->sub,
+                 od_type_name(entry->type));
+        return;
+    }
+}
+
+/* The last node-ID stands for all, where the file leaves it open. */
+static void check_formula(const struct dcf_lint *self, const struct dcf_entry *entry,
+                          const struct dcf_value *value)
+{
+    uint8_t node_id = self->dcf->has_node_id ? self->node_id : 127;
+
+    if (!dcf_formula_fits(value, node_id))
+        dcf_tell(self->report, DCF_RULE_FORMULA_RANGE, value->line,
+                 "%04Xh:%02X: a value of %s expected, with node-ID %u this is too large",
+                 entry->index, entry->sub, od_type_name(entry->type), node_id);
+}
+
 void dcf_lint_object(const struct dcf_lint *self, const struct dcf_lint_object *object)
 {
+    for (size_t i = 0; i < object->count; i++) {
+        check_formula(self, &object->entries[i], &object->entries[i].initial);
+        check_formula(self, &object->entries[i], &object->entries[i].parameter);
+    }
+    check_mappable(self, object);
     if (!has_subs(object))
         return;
     check_highest_sub(self, object);

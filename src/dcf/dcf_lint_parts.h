@@ -9,6 +9,7 @@
 struct dcf_lint {
     const struct dcf *dcf;
     struct co_report *report;
+    uint8_t node_id; /* of the file, or 1 */
 };
 
 struct dcf_lint_object { /* the entries of one index */
@@ -19,10 +20,42 @@ struct dcf_lint_object { /* the entries of one index */
 /* dcf_lint_objects.c: sub-indices of an object against each other */
 void dcf_lint_object(const struct dcf_lint *self, const struct dcf_lint_object *object);
 
+/* dcf_lint_known.c: objects of CiA 301 and 302 */
+void dcf_lint_known(const struct dcf_lint *self, const struct dcf_lint_object *object);
+
+/* dcf_lint_pdo.c, dcf_lint_mapping.c: both parameters of a PDO */
+void dcf_lint_communication(const struct dcf_lint *self, const struct dcf_lint_object *object);
+void dcf_lint_mapping(const struct dcf_lint *self, const struct dcf_lint_object *object);
+
+/* dcf_lint_cob.c; false: no memory */
+bool dcf_lint_cob_ids(const struct dcf_lint *self);
+
+/* dcf_lint_device.c */
+void dcf_lint_device(const struct dcf_lint *self);
+
+/* dcf_lint_ability.c */
+void dcf_lint_abilities(const struct dcf_lint *self);
+
+/* The first object from this index on, and the one behind; false: there is none. */
+bool dcf_lint_first(const struct dcf_lint *self, struct dcf_lint_object *ret_object,
+                    uint16_t index);
+bool dcf_lint_next(const struct dcf_lint *self, struct dcf_lint_object *object);
+
+/* The entry of a sub-index, or NULL. */
+const struct dcf_entry *dcf_lint_sub(const struct dcf_lint_object *object, unsigned sub);
+
+/* False: no value, or none that is a number. With the node-ID of the file, or 1. */
+bool dcf_lint_number(const struct dcf_lint *self, const struct dcf_entry *entry,
+                     const struct dcf_value *value, uint64_t *ret_number);
+
 /* What the device has when it is configured: the ParameterValue if that is written, else the
  * DefaultValue; NULL: the file does not tell. */
 const struct dcf_value *dcf_lint_effective(const struct dcf_entry *entry);
 
+#define DCF_LINT_COB_INVALID 0x80000000u
+
+/* 1400h.., 1800h.. */
+bool dcf_lint_is_communication(uint16_t index);
 /* 1600h.., 1A00h.. */
 bool dcf_lint_is_mapping(uint16_t index);
 

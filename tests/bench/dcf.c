@@ -3,6 +3,7 @@
  * many messages there are, and the messages to stderr.
  */
 #include "dcf/dcf.h"
+#include "dcf/dcf_lint.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -41,8 +42,11 @@ int main(int argc, char **argv)
         perror(report.file);
         return 1;
     }
-    if (dcf_parse(bytes, size, &report, &dcf) == CO_OK)
+    if (dcf_parse(bytes, size, &report, &dcf) == CO_OK) {
+        if (dcf_lint(&dcf, &report) != CO_OK)
+            perror(report.file);
         dcf_done(&dcf);
+    }
     free(bytes);
     printf("{\"messages\": %u}\n", report.errors + report.warnings);
     return 0;

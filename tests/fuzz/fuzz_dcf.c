@@ -1,5 +1,7 @@
 /* EDS and DCF files: what is accepted gives an ordered description and a whole concise DCF. */
 #include "dcf/dcf.h"
+#include "dcf/dcf_compare.h"
+#include "dcf/dcf_lint.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -78,6 +80,23 @@ static void check_od(const struct dcf *dcf)
     od_done(&od);
 }
 
+/* Nothing of it is an error, and a file is like itself. */
+static void check_lint(const struct dcf *dcf)
+{
+    struct co_report report = { .file = "fuzz" };
+
+    if (dcf_lint(dcf, &report) != CO_OK || report.errors > 0)
+        abort();
+    report.warnings = 0;
+    dcf_compare(dcf, dcf, &report);
+    for (size_t i = 0; i < dcf->count; i++) {
+        if (dcf->entries[i].parameter.given)
+            return; /* may be outside its limits */
+    }
+    if (report.warnings > 1) /* the name of its EDS */
+        abort();
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     struct co_report report = { .file = "fuzz" };
@@ -92,6 +111,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     check_ccf(&dcf, false);
     check_ccf(&dcf, true);
     check_od(&dcf);
+    check_lint(&dcf);
     dcf_done(&dcf);
     return 0;
 }

@@ -88,6 +88,13 @@ const char *lint_of(const char *added)
     return lint_and_free(&dcf, count_lines(device));
 }
 
+void lint_check(const struct lint_row *row)
+{
+    const char *messages = lint_of(row->added);
+
+    ck_assert_msg(strcmp(messages, row->messages) == 0, "%s:\n%s", row->name, messages);
+}
+
 const char *lint_of_file(const char *text)
 {
     struct dcf dcf;

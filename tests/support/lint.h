@@ -18,6 +18,13 @@
 #define RECORD_OF(name, count)                                                                     \
     "[" name "]\nParameterName=Name\nObjectType=9\nSubNumber=" #count "\n"
 
+struct lint_row {
+    const char *name, *added, *messages;
+};
+
+/* Fails where the messages are others. */
+void lint_check(const struct lint_row *row);
+
 /* The messages; their memory is used again by the next call. */
 const char *lint_of(const char *added);
 /* The same for a file of its own. */

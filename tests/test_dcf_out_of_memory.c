@@ -1,0 +1,94 @@
+/* Memory runs out at each moment of reading and checking a file: it is told, nothing is left. */
+#include "dcf/dcf_lint.h"
+#include "support/lint.h"
+#include "support/suite.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define MOST 2000u /* far more allocations than there are */
+
+static unsigned left; /* allocations until one fails; 0: none does */
+
+void *__real_malloc(size_t size);
+void *__wrap_malloc(size_t size);
+void *__real_calloc(size_t count, size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+void *__real_realloc(void *memory, size_t size);
+void *__wrap_realloc(void *memory, size_t size);
+char *__real_strdup(const char *text);
+char *__wrap_strdup(const char *text);
+
+static bool fails(void)
+{
+    return left > 0 && --left == 0;
+}
+
+void *__wrap_malloc(size_t size)
+{
+    return fails() ? NULL : __real_malloc(size);
+}
+
+void *__wrap_calloc(size_t count, size_t size)
+{
+    return fails() ? NULL : __real_calloc(count, size);
+}
+
+void *__wrap_realloc(void *memory, size_t size)
+{
+    return fails() ? NULL : __real_realloc(memory, size);
+}
+
+char *__wrap_strdup(const char *text)
+{
+    return fails() ? NULL : __real_strdup(text);
+}
+
+static const char text[] = LINES(
+    VALUE("1005", "7", "rw", "0x80") ARRAY_OF("1028", 3) VALUE("1028sub0", "5", "ro", "2")
+        VALUE("1028sub1", "7", "rw", "0x81") VALUE("1028sub2", "7", "rw", "0x82")
+            ARRAY_OF("2000", 0) "DataType=7\nAccessType=rw\nCompactSubObj=3\nDefaultValue=1\n"
+                                "[2000Name]\nNrOfEntries=1\n1=One\n"
+                                "[2000Value]\nNrOfEntries=1\n1=1\n");
+
+START_TEST(a_file_is_read)
+{
+    struct co_report report = { .file = "a.eds" };
+    enum co_err err = CO_ERR_MEMORY;
+    struct dcf dcf;
+    unsigned n;
+
+    for (n = 1; err != CO_OK && n < MOST; n++) {
+        left = n;
+        err = dcf_parse(text, strlen(text), &report, &dcf);
+        left = 0;
+        ck_assert_msg(err == CO_OK || err == CO_ERR_MEMORY, "%u: %s", n, report.first_error);
+    }
+    ck_assert_int_eq(err, CO_OK);
+    ck_assert_uint_gt(n, 3);
+    dcf_done(&dcf);
+}
+END_TEST
+
+START_TEST(a_file_is_checked)
+{
+    struct co_report report = { .file = "a.eds" };
+    struct dcf dcf;
+
+    ck_assert_int_eq(dcf_parse(text, strlen(text), &report, &dcf), CO_OK);
+    left = 1;
+    ck_assert_int_eq(dcf_lint(&dcf, &report), CO_ERR_MEMORY);
+    left = 0;
+    ck_assert_int_eq(dcf_lint(&dcf, &report), CO_OK);
+    dcf_done(&dcf);
+}
+END_TEST
+
+int main(void)
+{
+    TCase *tests = tcase_create("dcf_out_of_memory");
+
+    tcase_add_test(tests, a_file_is_read);
+    tcase_add_test(tests, a_file_is_checked);
+    return suite_run("dcf_out_of_memory", tests);
+}

@@ -21,6 +21,10 @@ install(FILES ${PROJECT_BINARY_DIR}/libmcanopen.a DESTINATION ${CMAKE_INSTALL_LI
 install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${doc_dir})
 install(FILES docs/network-xml.md docs/real-hardware.md docs/threading.md DESTINATION ${doc_dir}/docs)
 install(FILES docs/network.xsd DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/mcanopen)
+foreach(section 1 5)
+    file(GLOB pages CONFIGURE_DEPENDS docs/man/*.${section})
+    install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man${section})
+endforeach()
 
 # ---- CMake: mcanopen::mcanopen, mcanopen::static, mcanopen::dcf2ccf ------------------------------
 

@@ -22,7 +22,8 @@ fuzz_seconds=${MCANOPEN_FUZZ_SECONDS:-10}
 
 packages="gcc libc6-dev binutils cmake ninja-build pkg-config libxml2-dev libjansson-dev check
     python3 python3-venv can-utils iproute2 user-mode-linux kmod"
-packages_all="g++ clang clang-format clang-tidy libclang-rt-14-dev valgrind gcc-multilib"
+packages_all="g++ clang clang-format clang-tidy libclang-rt-14-dev valgrind gcc-multilib
+    mandoc"
 # For pip; where certificates are already there, they may not be Debian's.
 [ -e /etc/ssl/certs/ca-certificates.crt ] || packages="$packages ca-certificates"
 
@@ -256,6 +257,14 @@ run_tidy()
         clang-tidy --quiet -p "$build/debug" --warnings-as-errors='*'
 }
 
+# Manual pages; whether they say what the tools say is a rule of the house.
+run_man()
+{
+    for page in docs/man/*; do
+        mandoc -T lint -W warning "$page" || return 1
+    done
+}
+
 # Each line of tests/valgrind.list is a command in build/debug, its program a pattern of the shell.
 run_valgrind()
 {
@@ -376,6 +385,7 @@ run_side_by_side()
         lane vcan run_vcan
         lane interop run_interop
         lane format run_format
+        lane man run_man
         lane examples run_examples
     } &
     lane contract run_contract

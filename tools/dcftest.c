@@ -16,7 +16,7 @@ static const char help[] =
     "\n"
     "Checks EDS and DCF files (CiA 306) with the reader of the CANopen manager, and whether what\n"
     "is in them fits together. Of a folder all files that end in .eds or .dcf are checked, and\n"
-    "those of the folders in it; links to folders are not followed.\n"
+    "those of the folders in it; links to folders are not followed. FILE may be -, for stdin.\n"
     "\n"
     "Each message is a line \"file:line: severity: text [rule-name]\" on stdout. An error makes\n"
     "the manager refuse the file, what is told as a warning it ignores. What is about the whole\n"
@@ -45,7 +45,7 @@ static const char help[] =
     "and what ObjFlags protects from scans is left out. Nobody else may ask the device meanwhile.\n"
     "\n"
     "      --online         compares a device with its DCF (or EDS)\n"
-    "  -i, --interface BUS  can0, vcan0, virtual:NAME, ... (default: MCANOPEN_NET_0, or can0)\n"
+    "  -i, --bus BUS        can0, vcan0, virtual:NAME, ... (default: MCANOPEN_NET_0, or can0)\n"
     "  -n, --node-id ID     the device (default: NodeID of the file)\n"
     "      --all            DefaultValues as well, where there is no ParameterValue\n"
     "      --timeout MS     for each answer of the device (default: 500)\n"
@@ -81,7 +81,7 @@ static const struct option options[] = {
     { "quiet", no_argument, NULL, 'q' },
     { "summary", no_argument, NULL, OPTION_SUMMARY },
     { "online", no_argument, NULL, OPTION_ONLINE },
-    { "interface", required_argument, NULL, 'i' },
+    { "bus", required_argument, NULL, 'i' },
     { "all", no_argument, NULL, OPTION_ALL },
     { "timeout", required_argument, NULL, OPTION_TIMEOUT },
     { "jobs", required_argument, NULL, 'j' },

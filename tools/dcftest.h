@@ -67,7 +67,7 @@ struct files {
     size_t count, room;
 };
 
-/* One argument: a file, or a folder with all that is below. False: no memory. */
+/* One argument: a file, "-" for stdin, or a folder with all that is below. False: no memory. */
 bool files_add(struct files *self, const char *argument);
 void files_done(struct files *self);
 

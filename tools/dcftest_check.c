@@ -280,7 +280,7 @@ bool read_or_tell(const struct settings *settings, const struct file *file, stru
     enum co_err err = CO_ERR_IO;
 
     if (!file->error)
-        err = file_read(file->path, ret_text, ret_size);
+        err = file_read_input(file->path, ret_text, ret_size);
     if (err != CO_OK)
         result_add(result, settings, &tool_rules[RULE_UNREADABLE], 0, read_error(file, err));
     return err == CO_OK;
@@ -301,7 +301,7 @@ bool read_eds(const struct settings *settings, const struct file *file, struct r
     char *text = NULL;
     size_t size = 0;
 
-    result_init(result, file->path);
+    result_init(result, file_input_name(file->path));
     if (read_or_tell(settings, file, result, &text, &size))
         err = dcf_parse(text, size, &report, ret_eds);
     if (err == CO_ERR_MEMORY)
@@ -317,7 +317,7 @@ void check_file(const struct settings *settings, const struct file *file, struct
     char *text = NULL;
     size_t size = 0;
 
-    result_init(result, file->path);
+    result_init(result, file_input_name(file->path));
     if (read_or_tell(settings, file, result, &text, &size))
         check_text(&self, text, size);
     result_finish(result, text, size);

@@ -1,8 +1,13 @@
-/* The files that the arguments of dcftest stand for. */
+/*
+ * The files that the arguments of dcftest stand for.
+ *
+ * Links to files count as files; those to folders are not followed, so there are no loops. (The
+ * functions of <fts.h> crash where there is no memory.)
+ */
 #include "dcftest.h"
 
+#include <dirent.h>
 #include <errno.h>
-#include <fts.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -31,64 +36,76 @@ static bool has_ending(const char *name)
     return dot && (strcasecmp(dot, ".eds") == 0 || strcasecmp(dot, ".dcf") == 0);
 }
 
-/* Links to files count as files; those to folders are not followed, so there are no loops. */
-static bool is_wanted(const FTSENT *entry)
+static bool add_folder(struct files *self, const char *folder);
+
+static bool add_path(struct files *self, const char *path)
 {
     struct stat status;
 
-    if (!has_ending(entry->fts_name))
+    if (lstat(path, &status) != 0)
+        return add(self, path, errno);
+    if (S_ISDIR(status.st_mode))
+        return add_folder(self, path);
+    if (!has_ending(path))
+        return true;
+    if (S_ISLNK(status.st_mode) && stat(path, &status) == 0 && !S_ISREG(status.st_mode))
+        return true;
+    return S_ISREG(status.st_mode) || S_ISLNK(status.st_mode) ? add(self, path, 0) : true;
+}
+
+static bool add_name(struct files *self, const char *folder, const char *name)
+{
+    const size_t size = strlen(folder);
+    char *path;
+    bool good;
+
+    if (strcmp(name, ".") == 0 || strcmp(name, "..") == 0)
+        return true;
+    if (asprintf(&path, "%s%s%s", folder, size > 0 && folder[size - 1] == '/' ? "" : "/", name) < 0)
         return false;
-    if (entry->fts_info == FTS_SL)
-        return stat(entry->fts_accpath, &status) != 0 || S_ISREG(status.st_mode);
-    return entry->fts_info == FTS_F || entry->fts_info == FTS_SLNONE;
+    good = add_path(self, path);
+    free(path);
+    return good;
 }
 
-static bool add_entry(struct files *self, const FTSENT *entry)
+static int by_name(const struct dirent **left, const struct dirent **right)
 {
-    switch (entry->fts_info) {
-    case FTS_DNR:
-    case FTS_ERR:
-    case FTS_NS: return add(self, entry->fts_path, entry->fts_errno);
-    default: return is_wanted(entry) ? add(self, entry->fts_path, 0) : true;
-    }
+    return strcmp((*left)->d_name, (*right)->d_name);
 }
 
-static int by_name(const FTSENT **left, const FTSENT **right)
-{
-    return strcmp((*left)->fts_name, (*right)->fts_name);
-}
-
+/* As deep as paths can be long. */
 static bool add_folder(struct files *self, const char *folder)
 {
-    char *const paths[] = { strdup(folder), NULL };
-    const size_t before = self->count;
-    FTSENT *entry;
-    FTS *tree;
-    bool good = paths[0] != NULL;
+    struct dirent **names = NULL;
+    const int count = scandir(folder, &names, NULL, by_name);
+    bool good = true;
 
-    if (!good)
-        return false;
-    tree = fts_open(paths, FTS_PHYSICAL | FTS_COMFOLLOW | FTS_NOCHDIR, by_name);
-    good = tree != NULL;
-    while (good && (errno = 0, entry = fts_read(tree)) != NULL)
-        good = add_entry(self, entry);
-    if (good && errno != 0)
-        good = add(self, folder, errno);
-    if (good && self->count == before)
-        good = add(self, folder, NOTHING_IN_IT);
-    if (tree)
-        fts_close(tree);
-    free(paths[0]);
+    if (count < 0)
+        return errno != ENOMEM && add(self, folder, errno);
+    for (int i = 0; i < count; i++) {
+        good = good && add_name(self, folder, names[i]->d_name);
+        free(names[i]);
+    }
+    free(names);
     return good;
+}
+
+static bool add_root(struct files *self, const char *folder)
+{
+    const size_t before = self->count;
+
+    return add_folder(self, folder) && (self->count > before || add(self, folder, NOTHING_IN_IT));
 }
 
 bool files_add(struct files *self, const char *argument)
 {
     struct stat status;
 
+    if (strcmp(argument, "-") == 0)
+        return add(self, argument, 0);
     if (stat(argument, &status) != 0)
         return add(self, argument, errno);
-    return S_ISDIR(status.st_mode) ? add_folder(self, argument) : add(self, argument, 0);
+    return S_ISDIR(status.st_mode) ? add_root(self, argument) : add(self, argument, 0);
 }
 
 void files_done(struct files *self)

@@ -1,6 +1,7 @@
 #include "dcftest_online.h"
 
 #include "base/bytes.h"
+#include "common_file.h"
 #include "dcf/dcf.h"
 #include "dcftest_sdo.h"
 #include "port/clock.h"
@@ -289,6 +290,10 @@ static void print_count(const struct run *self)
             "left out: %u write-only, %u by ObjFlags, %u domains\n",
             self->node_id, self->online->bus, self->read, self->compared, self->different,
             self->missing, self->write_only, self->protected, self->domains);
+}
+
+static void tell_others(const struct run *self)
+{
     if (self->reader.foreign > 0)
         fprintf(stderr,
                 "dcftest: somebody else has sent %u requests to the SDO server of node %u: answers "
@@ -315,6 +320,7 @@ static int check_device(struct run *self)
         print_count(self);
     else
         fprintf(stderr, "dcftest: %s\n", self->reader.message);
+    tell_others(self);
     return good ? DCFTEST_CLEAN : DCFTEST_BUS;
 }
 
@@ -372,7 +378,7 @@ int online_check(const struct settings *settings, const struct online *online,
     size_t size = 0;
     int code = DCFTEST_CLEAN;
 
-    result_init(&result, file->path);
+    result_init(&result, file_input_name(file->path));
     if (read_or_tell(settings, file, &result, &text, &size))
         code = check_text(&run, text, size);
     result_finish(&result, text, size);

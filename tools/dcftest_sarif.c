@@ -94,31 +94,51 @@ static json_t *uri_of(const char *path)
     return result;
 }
 
-static json_t *location_of(const struct result *result, const struct finding *finding)
+/* Takes both; NULL: one of them was, or there is no memory. */
+static json_t *with(json_t *object, const char *key, json_t *value)
 {
-    json_t *physical = json_pack(
-        "{s:{s:o}, s:o*}", "artifactLocation", "uri", uri_of(result->file), "region",
-        finding->line ? json_pack("{s:I}", "startLine", (json_int_t)finding->line) : NULL);
-    char object[16] = "";
+    if (object && json_object_set_new(object, key, value) == 0)
+        return object;
+    if (!object)
+        json_decref(value);
+    json_decref(object);
+    return NULL;
+}
+
+static json_t *object_of(const struct finding *finding)
+{
+    char name[16];
 
     if (finding->sub >= 0)
-        snprintf(object, sizeof object, "%04Xh:%02X", (unsigned)finding->index,
-                 (unsigned)finding->sub);
-    else if (finding->index >= 0)
-        snprintf(object, sizeof object, "%04Xh", (unsigned)finding->index);
-    return json_pack("{s:o, s:o*}", "physicalLocation", physical, "logicalLocations",
-                     object[0] ? json_pack("[{s:s}]", "name", object) : NULL);
+        snprintf(name, sizeof name, "%04Xh:%02X", (unsigned)finding->index, (unsigned)finding->sub);
+    else
+        snprintf(name, sizeof name, "%04Xh", (unsigned)finding->index);
+    return json_pack("[{s:s}]", "name", name);
+}
+
+static json_t *location_of(const struct result *result, const struct finding *finding)
+{
+    json_t *physical = json_pack("{s:{s:o}}", "artifactLocation", "uri", uri_of(result->file));
+    json_t *location;
+
+    if (finding->line > 0)
+        physical = with(physical, "region",
+                        json_pack("{s:I}", "startLine", (json_int_t)finding->line));
+    location = json_pack("{s:o}", "physicalLocation", physical);
+    return finding->index < 0 ? location : with(location, "logicalLocations", object_of(finding));
 }
 
 static json_t *result_object(const struct result *result, const struct finding *finding)
 {
     const size_t number = rule_number(finding->rule);
+    json_t *object = json_pack("{s:s, s:{s:o}, s:[o]}", "level", level_of(finding->severity),
+                               "message", "text", json_text(finding->text), "locations",
+                               location_of(result, finding));
 
-    return json_pack("{s:s*, s:o*, s:s, s:{s:o}, s:[o]}", "ruleId",
-                     finding->rule ? finding->rule->name : NULL, "ruleIndex",
-                     number < RULE_COUNT ? json_integer((json_int_t)number) : NULL, "level",
-                     level_of(finding->severity), "message", "text", json_text(finding->text),
-                     "locations", location_of(result, finding));
+    if (number == RULE_COUNT)
+        return object;
+    object = with(object, "ruleId", json_text(finding->rule->name));
+    return with(object, "ruleIndex", json_integer((json_int_t)number));
 }
 
 static bool write_result(struct output *self, const struct result *result)

@@ -4,7 +4,6 @@ import json
 import os
 import re
 import subprocess
-import unittest
 from pathlib import Path
 from urllib.parse import unquote, urlparse
 
@@ -114,6 +113,12 @@ class Files(DcftestTest):
         os.symlink("plant", self.folder / "here")
         names = [line.split(":")[0] for line in self.check(CLEAN, "here")]
         self.assertEqual(names, ["here/a.dcf", "here/b.dcf"])
+
+    def test_stdin(self):
+        self.write("a.dcf", device())
+        lines = self.check(CLEAN, "-", "a.dcf", input=with_warning().encode())
+        self.assertRegex(lines[0], r"^stdin:\d+: warning: .* \[comment\]$")
+        self.assertEqual(len(lines), 1)
 
     def test_unreadable(self):
         os.symlink("nowhere", self.folder / "link.dcf")

@@ -103,18 +103,18 @@ static bool put_text(struct diff *self, enum diff_kind kind, const struct diff_i
 
 /* ---- JSON ----------------------------------------------------------------------------------- */
 
-static void set_side(json_t *object, const char *key, const struct diff *self,
-                     const struct diff_side *side, const struct diff_item *item)
+static json_t *with_side(json_t *object, const char *key, const struct diff *self,
+                         const struct diff_side *side, const struct diff_item *item)
 {
     struct ccf_entry entry;
     json_t *value;
 
     if (!item)
-        return;
+        return object;
     entry = diff_entry(side, item);
     value = view_json_of(&entry, item->offset, type_of(self, &entry));
-    json_object_set_new(value, "entry", json_integer((json_int_t)item->position + 1));
-    json_object_set_new(object, key, value);
+    value = json_with(value, "entry", json_integer((json_int_t)item->position + 1));
+    return json_with(object, key, value);
 }
 
 static bool put_json(struct diff *self, enum diff_kind kind, const struct diff_item *a,
@@ -126,9 +126,9 @@ static bool put_json(struct diff *self, enum diff_kind kind, const struct diff_i
                                item->sub, "occurrence", (json_int_t)item->occurrence);
 
     if (described && described->name)
-        json_object_set_new(object, "name", json_text(described->name));
-    set_side(object, "a", self, &self->a, a);
-    set_side(object, "b", self, &self->b, b);
+        object = json_with(object, "name", json_text(described->name));
+    object = with_side(object, "a", self, &self->a, a);
+    object = with_side(object, "b", self, &self->b, b);
     fputs(self->found == 0 ? "[\n" : ",\n", stdout);
     return json_write(object, VIEW_JSON_STYLE, stdout);
 }

@@ -6,6 +6,7 @@
 #include "base/bytes.h"
 #include "json/json_text.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 /* Files may have millions of entries: they are written one by one, none is kept. */
@@ -43,29 +44,36 @@ static json_t *time_of(const struct ccf_entry *entry, uint8_t type)
     return json_string(text.line);
 }
 
-/* NULL: none, or it has more bytes than numbers have. */
+/* null: none, or it has more bytes than numbers have. */
 static json_t *integer_of(const struct ccf_entry *entry, uint8_t type)
 {
     if (entry->size == 0 || entry->size > sizeof(uint64_t))
-        return NULL;
+        return json_null();
     return od_type_signed(type) ? json_integer(value_signed(entry))
                                 : number_of(get_le(entry->value, entry->size));
 }
 
-/* NULL: there is nothing but the bytes. */
+static json_t *real_of(const struct ccf_entry *entry)
+{
+    const double number = value_real(entry);
+
+    return isfinite(number) ? json_real(number) : json_null();
+}
+
+/* null: there is nothing but the bytes. */
 static json_t *value_of(const struct ccf_entry *entry, uint8_t type)
 {
     switch (type) {
     case OD_BOOLEAN:
         return entry->value[0] <= 1 ? json_boolean(entry->value[0]) : integer_of(entry, type);
     case OD_REAL32:
-    case OD_REAL64: return json_real(value_real(entry)); /* NULL for those that are no number */
+    case OD_REAL64: return real_of(entry);
     case OD_VISIBLE_STRING: return json_text_of((const char *)entry->value, entry->size);
     case OD_TIME_OF_DAY:
     case OD_TIME_DIFFERENCE: return time_of(entry, type);
     case OD_OCTET_STRING:
     case OD_UNICODE_STRING:
-    case OD_DOMAIN: return NULL;
+    case OD_DOMAIN: return json_null();
     default: return integer_of(entry, type);
     }
 }
@@ -89,11 +97,10 @@ static bool open_file(const struct view_file *file, bool has_eds)
                   (unsigned long)file->count) > 0;
 }
 
-static void set_described(json_t *object, const struct dcf_entry *described)
+static json_t *with_description(json_t *object, const struct dcf_entry *described)
 {
-    json_object_set_new(object, "type", json_string(od_type_name(described->type)));
-    if (described->name)
-        json_object_set_new(object, "name", json_text(described->name));
+    object = json_with(object, "type", json_string(od_type_name(described->type)));
+    return described->name ? json_with(object, "name", json_text(described->name)) : object;
 }
 
 json_t *view_json_of(const struct ccf_entry *entry, size_t offset, uint8_t type)
@@ -102,9 +109,7 @@ json_t *view_json_of(const struct ccf_entry *entry, size_t offset, uint8_t type)
     json_t *object = json_pack("{sI sI so}", "offset", (json_int_t)offset, "size",
                                (json_int_t)entry->size, "data", hex_of(entry->value, entry->size));
 
-    if (value)
-        json_object_set_new(object, "value", value);
-    return object;
+    return json_is_null(value) ? object : json_with(object, "value", value);
 }
 
 static bool show(const struct view_entry *self, bool has_eds)
@@ -113,14 +118,14 @@ static bool show(const struct view_entry *self, bool has_eds)
     json_t *object = view_json_of(entry, self->offset, view_type(self));
 
     (void)has_eds;
-    json_object_set_new(object, "index", json_integer(entry->index));
-    json_object_set_new(object, "sub", json_integer(entry->sub));
+    object = json_with(object, "index", json_integer(entry->index));
+    object = json_with(object, "sub", json_integer(entry->sub));
     if (self->described)
-        set_described(object, self->described);
+        object = with_description(object, self->described);
     if (self->extra)
-        json_object_set_new(object, "extra", json_true());
+        object = json_with(object, "extra", json_true());
     if (self->warning)
-        json_object_set_new(object, "warning", json_text(self->warning));
+        object = json_with(object, "warning", json_text(self->warning));
     return fputs(self->is_first ? "\n  " : ",\n  ", stdout) != EOF &&
            json_write(object, VIEW_JSON_STYLE, stdout);
 }

@@ -94,17 +94,6 @@ static json_t *uri_of(const char *path)
     return result;
 }
 
-/* Takes both; NULL: one of them was, or there is no memory. */
-static json_t *with(json_t *object, const char *key, json_t *value)
-{
-    if (object && json_object_set_new(object, key, value) == 0)
-        return object;
-    if (!object)
-        json_decref(value);
-    json_decref(object);
-    return NULL;
-}
-
 static json_t *object_of(const struct finding *finding)
 {
     char name[16];
@@ -122,10 +111,11 @@ static json_t *location_of(const struct result *result, const struct finding *fi
     json_t *location;
 
     if (finding->line > 0)
-        physical = with(physical, "region",
-                        json_pack("{s:I}", "startLine", (json_int_t)finding->line));
+        physical = json_with(physical, "region",
+                             json_pack("{s:I}", "startLine", (json_int_t)finding->line));
     location = json_pack("{s:o}", "physicalLocation", physical);
-    return finding->index < 0 ? location : with(location, "logicalLocations", object_of(finding));
+    return finding->index < 0 ? location
+                              : json_with(location, "logicalLocations", object_of(finding));
 }
 
 static json_t *result_object(const struct result *result, const struct finding *finding)
@@ -137,8 +127,8 @@ static json_t *result_object(const struct result *result, const struct finding *
 
     if (number == RULE_COUNT)
         return object;
-    object = with(object, "ruleId", json_text(finding->rule->name));
-    return with(object, "ruleIndex", json_integer((json_int_t)number));
+    object = json_with(object, "ruleId", json_text(finding->rule->name));
+    return json_with(object, "ruleIndex", json_integer((json_int_t)number));
 }
 
 static bool write_result(struct output *self, const struct result *result)

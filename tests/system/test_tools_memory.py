@@ -38,7 +38,7 @@ class WithoutMemory(plant.PlantTest):
         while FAILED in (done := self.run_tool(words, number)).stderr:
             self.assertIn(done.returncode, (0, 1, 2, 3),
                           f"{words}, allocation {number}: {done.stderr}")
-            if done.returncode == good == 0:
+            if done.returncode == 0:
                 self.assertEqual(done.stdout, whole.stdout, f"{words}, allocation {number}")
             number += step
         plant.say(f"{' '.join(words)}: {number} allocations")
@@ -61,6 +61,9 @@ class WithoutMemory(plant.PlantTest):
         self.fail_each("ccfread", "a.ccf")
         self.fail_each("ccfread", "--json", "a.ccf")
         self.fail_each("ccfread", "--eds", "a.dcf", "a.ccf")
+        self.fail_each("ccfread", "--diff", "a.ccf", "a.ccf")
+        (self.folder / "b.ccf").write_bytes(bytes(4))
+        self.fail_each("ccfread", "--json", "--diff", "a.ccf", "b.ccf", good=1)
 
 
 if __name__ == "__main__":

@@ -36,6 +36,16 @@ json_t *json_text(const char *text)
     return json_text_of(text, strlen(text));
 }
 
+json_t *json_with(json_t *object, const char *key, json_t *value)
+{
+    if (object && json_object_set_new(object, key, value) == 0) /* takes the value anyhow */
+        return object;
+    if (!object)
+        json_decref(value);
+    json_decref(object);
+    return NULL;
+}
+
 bool json_write(json_t *value, size_t flags, FILE *file)
 {
     bool good = value && json_dumpf(value, file, flags | JSON_ENCODE_ANY) == 0;

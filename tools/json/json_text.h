@@ -11,9 +11,12 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-/* A string of these bytes, or NULL: no memory. json_object_set_new() and so on take NULL. */
+/* A string of these bytes, or NULL: no memory. */
 json_t *json_text(const char *text);
 json_t *json_text_of(const char *bytes, size_t size);
+
+/* The object with one more member; takes both. NULL: one of them was NULL, or no memory. */
+json_t *json_with(json_t *object, const char *key, json_t *value);
 
 /* Writes the value and releases it. False: it is NULL, no memory, or not written. */
 bool json_write(json_t *value, size_t flags, FILE *file);

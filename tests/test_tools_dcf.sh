@@ -118,6 +118,18 @@ printf 'old' >kept.ccf
 expect 'an error, with an older output' 2 '' '*error*' "$dcf2ccf" bad/range.dcf kept.ccf
 same 'the older output stays' old "$(cat kept.ccf)"
 
+# /dev/stdin would do for a pipe, but not for a socket, as a remote shell has it.
+on_a_socket='import socket, subprocess, sys
+ours, theirs = socket.socketpair()
+ours.sendall(open(sys.argv[1], "rb").read())
+ours.close()
+sys.exit(subprocess.run(sys.argv[2:], stdin=theirs).returncode)'
+expect 'stdin that is a socket' 0 '' '*' \
+    python3 -c "$on_a_socket" device.dcf "$dcf2ccf" - socket.ccf
+expect 'its output' 0 '' '' cmp socket.ccf device.ccf
+# shellcheck disable=SC2016 # a script
+expect 'no stdin' 2 '' 'dcf2ccf: stdin: Bad file descriptor' sh -c '"$0" - x <&-' "$dcf2ccf"
+
 # ---- usage -------------------------------------------------------------------------------------
 
 expect 'dcf2ccf alone' 2 '' 'Usage: dcf2ccf *' "$dcf2ccf"

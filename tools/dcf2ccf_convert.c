@@ -122,11 +122,11 @@ static bool write_output(const struct dcf2ccf_arguments *arguments, const struct
 
 bool dcf2ccf_convert(const struct dcf2ccf_arguments *arguments, struct ccf_files *files)
 {
-    const char *name = is_stream(arguments->input) ? "/dev/stdin" : arguments->input;
+    const char *name = file_input_name(arguments->input);
     struct ccf ccf;
     char *text;
     size_t size;
-    enum co_err err = file_read(name, &text, &size);
+    enum co_err err = file_read_input(arguments->input, &text, &size);
     bool good;
 
     if (err != CO_OK) {

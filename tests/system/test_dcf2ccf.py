@@ -4,12 +4,14 @@ are told what the outputs depend on, and whatever goes wrong, no output is half 
 """
 import json
 import os
+import re
 import signal
 import struct
 import subprocess
 import unittest
 from pathlib import Path
 
+import eds
 import plant
 from devices import UNSIGNED8, UNSIGNED16, UNSIGNED32, VISIBLE_STRING, Entry, Record, dcf
 from devices import network, node, standard
@@ -17,6 +19,8 @@ from devices import network, node, standard
 DCF2CCF = str(plant.TOOLS / "dcf2ccf")
 PLANT = plant.ROOT / "examples" / "boot-network" / "network.xml"
 LONG = "a text that an expedited transfer has no room for"
+LEFT_ALONE = (0x1000, 0x1001, 0x1010, 0x1011, 0x1018, 0x1200, 0x1F50, 0x1F51)
+COMPACT = re.compile(r"[0-9a-f]{4}value")
 DOMAIN = """[{index:04X}]
 ParameterName=program
 ObjectType=2
@@ -36,26 +40,6 @@ def entries(ccf):
         position += 7 + size
     assert position == len(ccf)
     return found
-
-
-class Writes:
-    """The downloads to one node, from the frames of a log."""
-
-    def __init__(self, node_id, frames):
-        self.found, self.left = [], 0
-        for frame in frames:
-            can_id, _, data = frame.partition("#")
-            if can_id == f"{0x600 + node_id:03X}" and len(data) == 16:
-                self.hear(bytes.fromhex(data))
-
-    def hear(self, data):
-        if data[0] >> 5 == 1:
-            index, sub = struct.unpack_from("<HB", data, 1)
-            expedited = data[4:8 - (data[0] >> 2 & 3)] if data[0] & 2 else b""
-            self.found.append((index, sub, expedited))
-        elif data[0] >> 5 == 0:
-            index, sub, before = self.found[-1]
-            self.found[-1] = (index, sub, before + data[1:8 - (data[0] >> 1 & 7)])
 
 
 class Dcf2ccf(plant.PlantTest):
@@ -125,7 +109,7 @@ class Network(Dcf2ccf):
         for number in (2, 5, 7, 9):
             made = entries((self.folder / f"node-{number}.ccf").read_bytes())
             self.assertGreater(len(made), 3)
-            self.assertEqual(Writes(number, frames).found, made, number)
+            self.assertEqual(eds.downloads(frames, number), made, number)
 
     def test_settings_of_the_network(self):
         """node-ID, Old_Config_Style and repository are those of the XML file"""
@@ -311,8 +295,67 @@ class NeverHalf(Dcf2ccf):
         self.assertFalse((self.folder / "b.ccf").exists())
 
 
+def is_written(entry):
+    """True for a ParameterValue that a configuration has to have."""
+    return (entry.keys.get("parametervalue") and entry.access in (*eds.WRITABLE, "wo")
+            and entry.index not in LEFT_ALONE
+            and not (eds.number(entry.keys.get("objflags", "0")) or 0) & 1)
+
+
+def expected_values(file):
+    """{(index, sub): bytes}, None where these are not known here."""
+    return {(entry.index, entry.sub): eds.encode(entry.kind, entry.keys["parametervalue"], 5)
+            for entry in file.entries.values() if is_written(entry)}
+
+
+def compact_objects(file):
+    """Those whose values stand in a section of their own."""
+    return {int(name[:4], 16) for name in file.sections if COMPACT.fullmatch(name)}
+
+
+def is_mapping(place):
+    """Of what is mapped nothing is written behind the number of mapped objects."""
+    return 0x1600 <= place[0] < 0x1800 or 0x1A00 <= place[0] < 0x1C00
+
+
+def is_switch(place):
+    """COB-IDs of PDOs and numbers of mapped objects switch off and on."""
+    return 0x1400 <= place[0] < 0x1C00 and place[1] == (0 if is_mapping(place) else 1)
+
+
 @unittest.skipUnless(plant.CORPUS.is_dir(), f"no corpus in {plant.CORPUS}")
 class Others(plant.PlantTest):
+    def assert_round_trip(self, file, ccf):
+        """The number of values."""
+        values = {(index, sub): data for index, sub, data in entries(ccf)}
+        expected = expected_values(file)
+        for place in sorted(expected.keys() & values.keys()):
+            if expected[place] is not None:
+                self.assertEqual(values[place], expected[place],
+                                 f"{file.path} {place[0]:04X}h:{place[1]:02X}")
+        self.assertEqual([place for place in expected.keys() - values.keys()
+                          if not is_mapping(place)], [])
+        self.assertEqual([place for place in values.keys() - expected.keys()
+                          if not is_switch(place) and place[0] not in compact_objects(file)], [])
+        return len(values)
+
+    def test_round_trip(self):
+        """DCFs of the corpus: the values are their ParameterValues, not their DefaultValues
+
+        But for what a PDO has to have as well: its COB-ID, and the number of mapped objects.
+        """
+        counts = []
+        for path in sorted(plant.CORPUS.rglob("*.dcf")):
+            made = subprocess.run([DCF2CCF, "-q", "-n", "5", path, "-"], check=False,
+                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            if made.returncode == 0:
+                with self.subTest(path=path.name):
+                    counts.append(self.assert_round_trip(eds.File(path), made.stdout))
+            else:
+                plant.say(f"refused: {made.stderr.decode().splitlines()[0]}")
+        plant.say(f"{sum(counts)} values of {len(counts)} files")
+        self.assertGreater(sum(map(bool, counts)), 30)
+
     def test_concise_files(self):
         """those of the corpus, made by others: ccfread shows each entry"""
         files = sorted(plant.CORPUS.rglob("*.bin"))

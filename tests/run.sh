@@ -4,7 +4,8 @@
 #   (nothing)   debug build, unit and scenario tests, rules of the house, vcan
 #   --all       and peers of other make, tests without the function they test or with faults in it,
 #               branch coverage, 2,000 plants from seeds (MCANOPEN_SEEDS), formatting, lint,
-#               sanitizers, 32 bit, valgrind, fuzzing, release build
+#               sanitizers, 32 bit, valgrind, fuzzing, release build and what it needs for a large
+#               EDS
 #   LANE        only these lanes, by name (and "debug", which others need)
 #
 # Missing packages are installed with apt-get; MCANOPEN_INSTALL=no leaves the system alone.
@@ -356,6 +357,14 @@ run_examples()
         MCANOPEN_TOOLS=$build/debug/tools python3 test_examples.py
 }
 
+# What reading files may cost is counted, not timed: a test.
+run_release()
+{
+    build_preset release &&
+        python3 -B tests/bench/bench.py --build "$build/release" dcf-read dcf-growth dcf-memory &&
+        echo "3 passed, 0 failed"
+}
+
 # The README's first command, as in a fresh clone: nothing is built yet. Then those of the others.
 run_demo()
 {
@@ -405,7 +414,7 @@ run_more()
     lane tsan test_preset tsan -LE house -R "$threaded"
     lane m32 run_m32
     lane fuzz run_fuzz
-    lane release build_preset release
+    lane release run_release
     lane demo run_demo
 }
 

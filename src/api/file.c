@@ -45,12 +45,14 @@ enum co_err file_read_stream(FILE *stream, char **ret_text, size_t *ret_size)
     char *text = NULL;
     size_t size;
     enum co_err err = read_stream(stream, &text, &size);
+    char *fitting;
 
     if (err != CO_OK) {
         free(text);
         return err;
     }
-    *ret_text = text;
+    fitting = realloc(text, size + 1);
+    *ret_text = fitting ? fitting : text;
     *ret_size = size;
     return CO_OK;
 }

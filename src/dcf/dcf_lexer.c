@@ -7,6 +7,7 @@
 
 #define LINE_SIZE_MAX 255u
 #define DOS_END       '\x1A'
+#define MANY          1048576u /* there is memory for so many sections or keys */
 
 struct oddity { /* something that many lines may have: one message for all of them */
     unsigned line;
@@ -16,6 +17,7 @@ struct oddity { /* something that many lines may have: one message for all of th
 struct lexer {
     struct dcf_text text;
     struct dcf_slice rest;
+    size_t size; /* of the file */
     struct co_report *report;
     unsigned line;
     struct oddity too_long, not_ascii, control, hash, not_a_key, no_section;
@@ -37,9 +39,13 @@ static void tell(const struct lexer *self, const struct oddity *oddity, enum dcf
         dcf_tell(self->report, rule, oddity->line, "%s", what);
 }
 
-static enum co_err grow(void **items, size_t *room, size_t size)
+/* For as many as there will be, when the rest of the file is like what was read of it. */
+static enum co_err grow(const struct lexer *self, void **items, size_t *room, size_t size)
 {
-    size_t more = *room ? 2 * *room : 256;
+    size_t read = self->size - self->rest.size;
+    size_t most = *room > MANY / 2 ? 2 * *room : MANY;
+    uint64_t guess = (uint64_t)*room * self->size / read;
+    size_t more = guess < most ? (size_t)guess + *room / 16 + 64 : most;
     void *grown = realloc(*items, more * size);
 
     if (!grown)
@@ -49,13 +55,21 @@ static enum co_err grow(void **items, size_t *room, size_t size)
     return CO_OK;
 }
 
+/* A smaller piece is there even where none is given. */
+static void *trim(void *items, size_t count, size_t size)
+{
+    void *trimmed = count > 0 ? realloc(items, count * size) : NULL;
+
+    return trimmed ? trimmed : items;
+}
+
 static enum co_err add_section(struct lexer *self, struct dcf_slice name)
 {
     struct dcf_text *text = &self->text;
     void *items = text->sections;
 
     if (text->section_count == text->section_room) {
-        if (grow(&items, &text->section_room, sizeof *text->sections) != CO_OK)
+        if (grow(self, &items, &text->section_room, sizeof *text->sections) != CO_OK)
             return CO_ERR_MEMORY;
         text->sections = items;
     }
@@ -70,7 +84,7 @@ static enum co_err add_key(struct lexer *self, struct dcf_slice name, struct dcf
     void *items = text->keys;
 
     if (text->key_count == text->key_room) {
-        if (grow(&items, &text->key_room, sizeof *text->keys) != CO_OK)
+        if (grow(self, &items, &text->key_room, sizeof *text->keys) != CO_OK)
             return CO_ERR_MEMORY;
         text->keys = items;
     }
@@ -223,6 +237,7 @@ static enum co_err no_text(struct co_report *report, const char *what)
 
 static enum co_err read_lines(struct lexer *self)
 {
+    struct dcf_text *text = &self->text;
     enum co_err err = CO_OK;
 
     skip_marks(self);
@@ -231,15 +246,17 @@ static enum co_err read_lines(struct lexer *self)
     if (err != CO_OK)
         return err;
     tell_all(self);
-    if (self->text.section_count == 0)
+    if (text->section_count == 0)
         return no_text(self->report, "there is no section in it");
-    return dcf_text_sort(&self->text, self->report);
+    text->sections = trim(text->sections, text->section_count, sizeof *text->sections);
+    text->keys = trim(text->keys, text->key_count, sizeof *text->keys);
+    return dcf_text_sort(text, self->report);
 }
 
 enum co_err dcf_lex(const char *text, size_t size, struct co_report *report,
                     struct dcf_text *ret_text)
 {
-    struct lexer lexer = { .rest = { text, size }, .report = report };
+    struct lexer lexer = { .rest = { text, size }, .size = size, .report = report };
     enum co_err err;
 
     if (size >= 2 && (memcmp(text, "\xFF\xFE", 2) == 0 || memcmp(text, "\xFE\xFF", 2) == 0))

@@ -25,7 +25,7 @@ struct dcf_entry *dcf_build_entry(struct dcf_builder *self, uint16_t index, uint
 {
     struct dcf *dcf = self->dcf;
     struct dcf_entry *entries;
-    size_t room = dcf->room ? 2 * dcf->room : 128;
+    size_t room = dcf->room ? dcf->room + dcf->room / 4 : self->text.section_count + 64;
 
     if (dcf->count == DCF_ENTRIES_MAX) {
         dcf_tell(self->report, DCF_RULE_ENTRY_LIMIT, 0,

@@ -27,7 +27,7 @@ build_programs()
 {
     cmake -S "$source" --preset release \
         ${MCANOPEN_NEUTRAL:+"-DMCANOPEN_NEUTRAL=$MCANOPEN_NEUTRAL"} &&
-        cmake --build "$build" --target bench mcanopen_tool
+        cmake --build "$build" --target bench dcftest_tool mcanopen_tool
 }
 
 if ! has_build "$@"; then

@@ -119,8 +119,9 @@ void result_add(struct result *self, const struct settings *settings, const stru
 /* For the sink of a report. */
 void result_take(struct result *self, const struct settings *settings,
                  const struct co_message *message);
-/* Findings by line, each with its object, where there is a text. */
-void result_finish(struct result *self, const char *text, size_t size);
+/* Findings by line, each with its object, where there is a text and somebody wants to know. */
+void result_finish(struct result *self, const struct settings *settings, const char *text,
+                   size_t size);
 /* The findings, and the rest behind them, from 0 on; NULL: there are no more. */
 const struct finding *result_at(const struct result *self, size_t number);
 

@@ -115,12 +115,16 @@ static const char *line_end(const char *at, const char *end)
 /* The line is of a section with another object, or of the same as before. */
 static void read_section(const char *line, const char *end, struct finding *place)
 {
-    const struct dcf_slice text = dcf_slice_trim((struct dcf_slice){ line, (size_t)(end - line) });
-    const char *close = text.size ? memchr(text.text, ']', text.size) : NULL;
+    const char *close;
 
-    if (close && text.text[0] == '[')
-        read_object((struct dcf_slice){ text.text + 1, (size_t)(close - text.text - 1) },
-                    &place->index, &place->sub);
+    while (line < end && dcf_is_blank(*line))
+        line++;
+    if (line == end || *line != '[')
+        return;
+    close = memchr(line, ']', (size_t)(end - line));
+    if (close)
+        read_object((struct dcf_slice){ line + 1, (size_t)(close - line - 1) }, &place->index,
+                    &place->sub);
 }
 
 static const char *next_line(const char *at, const char *end)
@@ -164,11 +168,12 @@ static void add_rest(struct result *self, enum co_severity severity, const char 
     rest->finding.text = rest->text;
 }
 
-void result_finish(struct result *self, const char *text, size_t size)
+void result_finish(struct result *self, const struct settings *settings, const char *text,
+                   size_t size)
 {
     if (self->count > 0)
         qsort(self->findings, self->count, sizeof *self->findings, by_line);
-    if (text)
+    if (text && (settings->json || settings->sarif))
         find_objects(self, text, size);
     if (self->no_memory && ++self->errors > 0)
         add_rest(self, CO_ERROR, "out of memory: there are messages missing", 0);
@@ -306,7 +311,7 @@ bool read_eds(const struct settings *settings, const struct file *file, struct r
         err = dcf_parse(text, size, &report, ret_eds);
     if (err == CO_ERR_MEMORY)
         result->no_memory = true;
-    result_finish(result, text, size);
+    result_finish(result, settings, text, size);
     free(text);
     return err == CO_OK;
 }
@@ -320,6 +325,6 @@ void check_file(const struct settings *settings, const struct file *file, struct
     result_init(result, file_input_name(file->path));
     if (read_or_tell(settings, file, result, &text, &size))
         check_text(&self, text, size);
-    result_finish(result, text, size);
+    result_finish(result, settings, text, size);
     free(text);
 }

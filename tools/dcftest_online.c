@@ -381,7 +381,7 @@ int online_check(const struct settings *settings, const struct online *online,
     result_init(&result, file_input_name(file->path));
     if (read_or_tell(settings, file, &result, &text, &size))
         code = check_text(&run, text, size);
-    result_finish(&result, text, size);
+    result_finish(&result, settings, text, size);
     free(text);
     if (!write_one(settings, writer, &result, &totals))
         return DCFTEST_TROUBLE;

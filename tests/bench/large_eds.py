@@ -9,6 +9,7 @@ import sys
 FIRST, LAST = 0x2000, 0xFFFF
 MANUFACTURER = range(0x2000, 0x6000)
 
+STRING = "0x0009"
 # Data type, default, limits
 TYPES = [
     ("0x0005", "0x10", ("0x00", "0xFF")),
@@ -17,7 +18,7 @@ TYPES = [
     ("0x0003", "-20", ("-32768", "32767")),
     ("0x0004", "0x0000C350", None),
     ("0x0008", "12.5", None),
-    ("0x0009", "controller of the third axis", None),
+    (STRING, "controller of the third axis", None),
     ("0x0001", "1", None),
     ("0x0007", "$NODEID+0x680", None),
 ]
@@ -70,8 +71,9 @@ def write_entry(out, section, name, i, sub=None):
     out.append(f"[{section}]\nParameterName={name}\nObjectType=0x7\nDataType={kind}\n")
     if limits:
         out.append(f"LowLimit={limits[0]}\nHighLimit={limits[1]}\n")
+    mapping = 0 if kind == STRING else i % 2
     out.append(f"AccessType={ACCESS[(i + (sub or 0)) % len(ACCESS)]}\nDefaultValue={default}\n"
-               f"PDOMapping={i % 2}\n")
+               f"PDOMapping={mapping}\n")
     if i % 5 == 0:
         out.append("ObjFlags=0x0\n")
     out.append("\n")

@@ -333,12 +333,12 @@ START_TEST(the_record_of_a_node_that_refuses_its_configuration)
     ck_assert_uint_eq(record.failedExpected, 7);
     ck_assert_uint_eq(record.failedEntry, 1);
     ck_assert_uint_eq(record.entries, 1);
-    ck_assert_uint_eq(record.failedLine, 50);
+    ck_assert_uint_eq(record.failedLine, 67);
     ck_assert_str_eq(record.file, "pump.dcf");
     ck_assert_uint_ne(record.failedTime, 0);
     ck_assert_uint_eq(record.bootedTime, 0);
     ck_assert_str_eq(record.failedText, record.text);
-    ck_assert_ptr_nonnull(strstr(record.failedText, "(entry 1 of 1 of pump.dcf, line 50)"));
+    ck_assert_ptr_nonnull(strstr(record.failedText, "(entry 1 of 1 of pump.dcf, line 67)"));
 }
 END_TEST
 

@@ -52,8 +52,8 @@ START_TEST(test_clean_file)
     const struct dcf_entry *entry;
 
     parse_clean(CLEAN);
-    ck_assert_uint_eq(count_lines(CLEAN), 45);
-    ck_assert_uint_eq(count_lines(OBJECT("2000", "")), 45);
+    ck_assert_uint_eq(count_lines(CLEAN), 62);
+    ck_assert_uint_eq(count_lines(OBJECT("2000", "")), 62);
     ck_assert_uint_eq(dcf.count, 4);
     ck_assert(!dcf.is_dcf);
     ck_assert(!dcf.has_node_id);
@@ -69,8 +69,8 @@ START_TEST(test_clean_file)
     ck_assert_uint_eq(entry->object_type, 9);
     ck_assert_uint_eq(entry->type, OD_UNSIGNED8);
     ck_assert_uint_eq(entry->access, OD_CONST);
-    ck_assert_uint_eq(entry->line, 37);
-    ck_assert_uint_eq(entry->initial.line, 41);
+    ck_assert_uint_eq(entry->line, 54);
+    ck_assert_uint_eq(entry->initial.line, 58);
     ck_assert_str_eq(value_of(&entry->initial), "01");
     ck_assert_uint_eq(dcf_find(&dcf, 0x1018, 1)->object_type, 7);
     ck_assert_ptr_null(dcf_find(&dcf, 0x1018, 2));
@@ -91,10 +91,10 @@ START_TEST(test_commissioning)
     ck_assert(dcf.is_dcf);
     ck_assert(dcf.has_node_id);
     ck_assert_uint_eq(dcf.node_id, 0x12);
-    ck_assert_uint_eq(dcf.node_id_line, 47);
+    ck_assert_uint_eq(dcf.node_id_line, 64);
     ck_assert_str_eq(dcf.node_name, "Pump 1");
     ck_assert_uint_eq(dcf.baudrate, 250);
-    ck_assert_uint_eq(dcf.baudrate_line, 49);
+    ck_assert_uint_eq(dcf.baudrate_line, 66);
     dcf_done(&dcf);
 }
 END_TEST
@@ -136,7 +136,7 @@ START_TEST(test_all_of_an_entry)
     ck_assert_str_eq(entry->denotation, "axis");
     ck_assert_str_eq(value_of(&entry->initial), "FBFF");
     ck_assert_str_eq(value_of(&entry->parameter), "1000");
-    ck_assert_uint_eq(entry->parameter.line, 52);
+    ck_assert_uint_eq(entry->parameter.line, 69);
     ck_assert_str_eq(value_of(&entry->low), "0080");
     ck_assert_str_eq(value_of(&entry->high), "FF7F");
     dcf_done(&dcf);

@@ -67,11 +67,12 @@ END_TEST
 
 START_TEST(neither_heartbeat_nor_guarding)
 {
-    ck_assert_str_eq(lint_of_file(LINES("[DeviceInfo]\nBaudRate_125=1\n")),
+    ck_assert_str_eq(lint_of_file(LINES("[FileInfo]\nLastEDS=\n[DeviceInfo]\nBaudRate_125=1\n")),
                      "0 no-error-control: an object 1017h (heartbeat) expected, or 100Ch and 100Dh "
                      "(guarding), there is neither\n");
-    ck_assert_str_eq(
-        lint_of_file(LINES(VALUE("100C", "6", "rw", "0") VALUE("100D", "5", "rw", "0"))), "");
+    ck_assert_str_eq(lint_of_file(LINES("[FileInfo]\nLastEDS=\n" VALUE("100C", "6", "rw", "0")
+                                            VALUE("100D", "5", "rw", "0"))),
+                     "");
 }
 END_TEST
 

@@ -8,7 +8,8 @@
 #include <string.h>
 
 #define U8_OBJECT(rest)     OBJECT("2000", VAR("2000", "5", "rw") rest)
-#define COMMISSIONING(rest) LINES("[DeviceComissioning]\n" rest)
+#define NETWORK             "NodeName=N\nNetNumber=1\nNetworkName=\nCANopenManager=0\n"
+#define COMMISSIONING(rest) LINES("[DeviceComissioning]\n" rest NETWORK)
 
 static const struct {
     const char *name;
@@ -25,8 +26,6 @@ static const struct {
       "1: warning: [1000]: AccessType expected, it is missing: taken as ro\n"
       "1: warning: ParameterName: a text expected, it is missing or empty (1 such sections)\n"
       " warning: a section [MandatoryObjects] expected, it is missing\n"
-      " warning: a section [OptionalObjects] expected, it is missing\n"
-      " warning: a section [ManufacturerObjects] expected, it is missing\n"
       "1: warning: [1000]: its index expected in [MandatoryObjects], it is in no list\n"
       " warning: an object 1001h expected in every device, it is missing\n"
       " warning: an object 1018h expected in every device, it is missing\n" },
@@ -34,7 +33,7 @@ static const struct {
       "[FileInfo]\nFileName=\nFileVersion=005\nFileRevision=1.0\nEDSVersion=4.04\n"
       "ModificationTime=9:45\nCreationTime=09:45AM x\nCreationDate=2004-05-15\n"
       "ModificationDate=05-15-04\nAuthor=me\n" DEVICE_INFO LISTS OPTIONAL MANDATORY,
-      "1: warning: [FileInfo] FileName: a text expected, it is missing or empty\n"
+      "1: warning: [FileInfo]: FileName expected, it is missing or empty\n"
       "3: warning: [FileInfo] FileVersion: no leading zero expected, there is \"005\": read as a "
       "decimal number\n"
       "4: warning: [FileInfo] FileRevision: a number of 0..255 expected, there is \"1.0\": "
@@ -46,65 +45,161 @@ static const struct {
       "9: warning: [FileInfo] ModificationDate: mm-dd-yyyy expected, there is \"05-15-04\"\n"
       "10: warning: [FileInfo]: a keyword of CiA 306 for this section expected, there is "
       "\"Author\": ignored\n" },
+    { "file information that cannot be",
+      "[FileInfo]\nFileName=a.eds\nFileVersion=\nEDSVersion=4\nModificationTime=13:45PM\n"
+      "CreationTime=09:60AM\nCreationDate=13-01-2004\nModificationDate=12-32-2004\n" DEVICE_INFO
+          LISTS OPTIONAL MANDATORY,
+      "1: warning: [FileInfo]: FileVersion, FileRevision expected, they are missing or empty\n"
+      "4: warning: [FileInfo] EDSVersion: 3.0 or 4.0 expected, there is \"4\"\n"
+      "6: warning: [FileInfo] CreationTime: hh:mm(AM|PM) expected, there is \"09:60AM\"\n"
+      "7: warning: [FileInfo] CreationDate: mm-dd-yyyy expected, there is \"13-01-2004\"\n"
+      "5: warning: [FileInfo] ModificationTime: hh:mm(AM|PM) expected, there is \"13:45PM\"\n"
+      "8: warning: [FileInfo] ModificationDate: mm-dd-yyyy expected, there is \"12-32-2004\"\n" },
+    { "device information",
+      FILE_INFO "[DeviceInfo]\nVendorName=V\nVendorNumber=\nProductName=\nProductNumber=2\n"
+                "BaudRate_100=1\nBaudRate_500=2\nBaudRate_auto=1\nSimpleBootUpSlave=yes\n"
+                "Granularity=65\nNrOfRXPDO=513\nExtendedBootUpMaster=0\nLMT_ProductName=P\n"
+                "CompactPDO=0x40\nDynamicChannelsSupported=2\n" LISTS OPTIONAL MANDATORY,
+      "9: warning: [DeviceInfo]: VendorNumber, ProductName, RevisionNumber, OrderCode, "
+      "BaudRate_10, "
+      "BaudRate_20, BaudRate_50, BaudRate_125, BaudRate_250, BaudRate_800, BaudRate_1000, "
+      "SimpleBootUpMaster, NrOfTXPDO, LSS_Supported expected, they are missing or empty\n"
+      "15: warning: [DeviceInfo] BaudRate_500: a number of 0..1 expected, there is \"2\": ignored\n"
+      "18: warning: [DeviceInfo] Granularity: a number of 0..64 expected, there is \"65\": "
+      "ignored\n"
+      "19: warning: [DeviceInfo] NrOfRXPDO: a number of 0..512 expected, there is \"513\": "
+      "ignored\n"
+      "22: warning: [DeviceInfo] CompactPDO: a number of 0..63 expected, there is \"0x40\": "
+      "ignored\n"
+      "17: warning: [DeviceInfo] SimpleBootUpSlave: a number of 0..1 expected, there is \"yes\": "
+      "ignored\n"
+      "23: warning: [DeviceInfo] DynamicChannelsSupported: a number of 0..1 expected, there is "
+      "\"2\": ignored\n"
+      "20: warning: [DeviceInfo] ExtendedBootUpMaster: not expected any more, kept free for old "
+      "files: ignored\n"
+      "21: warning: [DeviceInfo] LMT_ProductName: not expected any more, kept free for old files: "
+      "ignored\n"
+      "14: warning: [DeviceInfo]: a keyword of CiA 306 for this section expected, there is "
+      "\"BaudRate_100\": ignored\n"
+      "16: warning: [DeviceInfo]: a keyword of CiA 306 for this section expected, there is "
+      "\"BaudRate_auto\": ignored\n" },
+    { "compact PDOs of none", LINES("[DeviceInfo]\nCompactPDO=3\n"),
+      "63: warning: [DeviceInfo]: expected once, it is also in line 9: keys of both are taken, of "
+      "the same ones the later\n"
+      "64: warning: [DeviceInfo] CompactPDO: NrOfRXPDO or NrOfTXPDO expected with it, there are no "
+      "PDOs\n" },
+    { "dummies",
+      LINES("[DummyUsage]\nDummy0007=1\nDummy0008=1\nDummy0010=1\nDummy001B=0\n"
+            "Dummy001C=0\nDummy0001=2\n"),
+      "63: warning: [DummyUsage]: expected once, it is also in line 30: keys of both are taken, of "
+      "the same ones the later\n"
+      "69: warning: [DummyUsage] Dummy0001: a number of 0..1 expected, there is \"2\": ignored\n"
+      "65: warning: [DummyUsage]: a keyword of CiA 306 for this section expected, there is "
+      "\"Dummy0008\": ignored\n"
+      "68: warning: [DummyUsage]: a keyword of CiA 306 for this section expected, there is "
+      "\"Dummy001C\": ignored\n" },
+    { "commissioning",
+      LINES("[DeviceComissioning]\nNodeID=5\nBaudrate=500\nNodeName=\n"
+            "NetworkName=\nNetNumber=x\nCANopenManager=2\nLSS_SerialNumber=y\n"
+            "NodeRefd=r\nNetRefd=s\nNetNo=1\n"),
+      "68: warning: [DeviceComissioning] NetNumber: a number of 0..4294967295 expected, there is "
+      "\"x\": ignored\n"
+      "69: warning: [DeviceComissioning] CANopenManager: a number of 0..1 expected, there is "
+      "\"2\": "
+      "ignored\n"
+      "70: warning: [DeviceComissioning] LSS_SerialNumber: a number of 0..4294967295 expected, "
+      "there "
+      "is \"y\": ignored\n"
+      "73: warning: [DeviceComissioning]: a keyword of CiA 306 for this section expected, there is "
+      "\"NetNo\": ignored\n" },
+    { "commissioning of a device in no network",
+      LINES("[DeviceComissioning]\nNodeID=5\nBaudrate=500\n"),
+      "63: warning: [DeviceComissioning]: NodeName, NetNumber, NetworkName, CANopenManager "
+      "expected, "
+      "they are missing\n" },
+    { "data types of the device are listed as well",
+      LINES("[OptionalObjects]\nSupportedObjects=2\n1=0x40\n2=0x41\n[0040]\nParameterName=T\n"
+            "ObjectType=5\nDataType=7\nAccessType=ro\n[0041]\nParameterName=T\nObjectType=5\n"
+            "DataType=7\nAccessType=ro\n"),
+      "63: warning: [OptionalObjects]: expected once, it is also in line 39: keys of both are "
+      "taken, "
+      "of the same ones the later\n"
+      "64: warning: [OptionalObjects] SupportedObjects: expected once, it is also in line 40: "
+      "\"2\" "
+      "counts, not \"0\"\n" },
+    { "a list that begins with 0", LINES("[OptionalObjects]\n0=0x1001\nSupportedObjects=1\n"),
+      "63: warning: [OptionalObjects]: expected once, it is also in line 39: keys of both are "
+      "taken, "
+      "of the same ones the later\n"
+      "65: warning: [OptionalObjects] SupportedObjects: expected once, it is also in line 40: "
+      "\"1\" "
+      "counts, not \"0\"\n"
+      "64: warning: [OptionalObjects]: 1001h expected once, it is also in line 35\n"
+      "63: warning: [OptionalObjects]: 1 to 1 expected, 1 is missing\n" },
+    { "1018h was optional in version 3",
+      "[FileInfo]\nFileName=a\nFileVersion=1\nFileRevision=0\n" DEVICE_INFO
+      "[DummyUsage]\n[MandatoryObjects]\nSupportedObjects=2\n1=0x1000\n2=0x1001\n"
+      "[OptionalObjects]\nSupportedObjects=1\n1=0x1018\n" MANDATORY,
+      "" },
     { "an empty object", U8_OBJECT("DefaultValue=\nParameterValue=\nLowLimit=\nObjFlags=\n"), "" },
     { "text as a number", U8_OBJECT("DefaultValue=No\n"),
-      "50: warning: [2000] DefaultValue: a number (UNSIGNED8) expected, there is \"No\": "
+      "67: warning: [2000] DefaultValue: a number (UNSIGNED8) expected, there is \"No\": "
       "ignored\n" },
     { "a default beyond its type", U8_OBJECT("DefaultValue=0x360\n"),
-      "50: warning: [2000] DefaultValue: a number (UNSIGNED8) expected, there is \"0x360\", which "
+      "67: warning: [2000] DefaultValue: a number (UNSIGNED8) expected, there is \"0x360\", which "
       "does not fit the type: ignored\n" },
     { "a comment behind a number", U8_OBJECT("ParameterValue=3 ; three\n"),
-      "50: warning: [2000] ParameterValue: a number alone expected, there is \"3 ; three\": what "
+      "67: warning: [2000] ParameterValue: a number alone expected, there is \"3 ; three\": what "
       "follows it is ignored\n" },
     { "a leading zero", U8_OBJECT("DefaultValue=010\n"),
-      "50: warning: [2000] DefaultValue: no leading zero expected, there is \"010\": read as a "
+      "67: warning: [2000] DefaultValue: no leading zero expected, there is \"010\": read as a "
       "decimal number\n" },
     { "a suffix", U8_OBJECT("DefaultValue=1LL\n"),
-      "50: warning: [2000] DefaultValue: a number without suffix expected, there is \"1LL\": the "
+      "67: warning: [2000] DefaultValue: a number without suffix expected, there is \"1LL\": the "
       "suffix is ignored\n" },
     { "quotes", OBJECT("2000", VAR("2000", "9", "rw") "DefaultValue=\"a\"\n"),
-      "50: warning: [2000] DefaultValue: text without quotes expected, there is \"\"a\"\": the "
+      "67: warning: [2000] DefaultValue: text without quotes expected, there is \"\"a\"\": the "
       "quotes count as characters\n" },
     { "text as octets", OBJECT("2000", VAR("2000", "0xA", "rw") "DefaultValue=xyz\n"),
-      "50: warning: [2000] DefaultValue: hexadecimal digits expected, there is \"xyz\": taken as "
+      "67: warning: [2000] DefaultValue: hexadecimal digits expected, there is \"xyz\": taken as "
       "text\n" },
     { "the value of a DOMAIN", OBJECT("2000", VAR("2000", "0xF", "rw") "DefaultValue=0\n"),
-      "50: warning: [2000] DefaultValue: pairs of hexadecimal digits (DOMAIN) expected, there is "
+      "67: warning: [2000] DefaultValue: pairs of hexadecimal digits (DOMAIN) expected, there is "
       "\"0\": ignored\n" },
     { "bytes of a DOMAIN", OBJECT("2000", VAR("2000", "0xF", "rw") "ParameterValue=0x0102\n"),
-      "50: warning: [2000] ParameterValue: a DownloadFile as value of a DOMAIN expected, there is "
+      "67: warning: [2000] ParameterValue: a DownloadFile as value of a DOMAIN expected, there is "
       "\"0x0102\": taken as bytes\n" },
     { "an unknown key", U8_OBJECT("Unit=m\nFactor=0.1\n"),
-      "50: warning: [2000]: a keyword of CiA 306 for this section expected, there is \"Unit\": "
+      "67: warning: [2000]: a keyword of CiA 306 for this section expected, there is \"Unit\": "
       "ignored\n"
-      "51: warning: [2000]: a keyword of CiA 306 for this section expected, there is \"Factor\": "
+      "68: warning: [2000]: a keyword of CiA 306 for this section expected, there is \"Factor\": "
       "ignored\n" },
     { "an access type with something behind it", OBJECT("2000", VAR("2000", "5", "rw # rw")),
-      "49: warning: [2000] AccessType: rw alone expected, there is \"rw # rw\"\n" },
+      "66: warning: [2000] AccessType: rw alone expected, there is \"rw # rw\"\n" },
     { "an unknown access type", OBJECT("2000", VAR("2000", "5", "r")),
-      "49: warning: [2000] AccessType: ro, wo, rw, rwr, rww or const expected, there is \"r\": "
+      "66: warning: [2000] AccessType: ro, wo, rw, rwr, rww or const expected, there is \"r\": "
       "taken as ro\n" },
     { "an unknown data type", OBJECT("2000", VAR("2000", "0x40", "rw") "DefaultValue=1\n"),
-      "48: warning: [2000] DataType: a data type of CiA 301 expected, there is 0x40: the entry "
+      "65: warning: [2000] DataType: a data type of CiA 301 expected, there is 0x40: the entry "
       "cannot be used\n"
-      "50: warning: [2000] DefaultValue: a data type of CiA 301 (unknown type) expected, there is "
+      "67: warning: [2000] DefaultValue: a data type of CiA 301 (unknown type) expected, there is "
       "\"1\": ignored\n" },
     { "unknown flags", U8_OBJECT("ObjFlags=0x10\n"),
-      "50: warning: [2000] ObjFlags: 0..3 expected, there is 10: bits 2 to 31 are ignored\n" },
+      "67: warning: [2000] ObjFlags: 0..3 expected, there is 10: bits 2 to 31 are ignored\n" },
     { "a flag that is none", U8_OBJECT("PDOMapping=2\n"),
-      "50: warning: [2000] PDOMapping: a number of 0..1 expected, there is \"2\": ignored\n" },
+      "67: warning: [2000] PDOMapping: a number of 0..1 expected, there is \"2\": ignored\n" },
     { "a file for a number", U8_OBJECT("DownloadFile=a\n"),
-      "50: warning: [2000] DownloadFile: expected for a DOMAIN only, this is UNSIGNED8: "
+      "67: warning: [2000] DownloadFile: expected for a DOMAIN only, this is UNSIGNED8: "
       "ignored\n" },
     { "limits of another type", U8_OBJECT("LowLimit=-30\nHighLimit=50\nParameterValue=60\n"),
-      "50: warning: [2000] LowLimit: a number (UNSIGNED8) expected, there is \"-30\", which does "
+      "67: warning: [2000] LowLimit: a number (UNSIGNED8) expected, there is \"-30\", which does "
       "not fit the type: ignored\n" },
     { "limits in the wrong order", U8_OBJECT("LowLimit=3\nHighLimit=1\nParameterValue=60\n"),
-      "50: warning: 2000h:00: LowLimit up to HighLimit expected, there are 3 and 1: both are "
+      "67: warning: 2000h:00: LowLimit up to HighLimit expected, there are 3 and 1: both are "
       "ignored\n" },
     { "hexadecimal limits without sign",
       OBJECT("2000", VAR("2000", "2", "rw") "LowLimit=0x00\nHighLimit=0xFF\nParameterValue=-1\n"),
-      "50: warning: 2000h:00: LowLimit up to HighLimit expected, there are 0 and -1: both are "
+      "67: warning: 2000h:00: LowLimit up to HighLimit expected, there are 0 and -1: both are "
       "ignored\n" },
     { "values at their limits",
       U8_OBJECT("LowLimit=1\nHighLimit=3\nDefaultValue=1\nParameterValue=3\n"), "" },
@@ -113,96 +208,102 @@ static const struct {
                                             "ParameterValue=-1\n"),
       "" },
     { "a default outside its limits", U8_OBJECT("LowLimit=1\nHighLimit=3\nDefaultValue=4\n"),
-      "52: warning: 2000h:00 DefaultValue: 1 to 3 expected (its limits), there is 4\n" },
+      "69: warning: 2000h:00 DefaultValue: 1 to 3 expected (its limits), there is 4\n" },
     { "a read-only value outside its limits",
       OBJECT("2000", VAR("2000", "3", "ro") "LowLimit=-1\nParameterValue=-2\n"),
-      "51: warning: 2000h:00 ParameterValue: -1 to (none) expected (its limits), there is -2\n" },
+      "68: warning: 2000h:00 ParameterValue: -1 to (none) expected (its limits), there is -2\n" },
     { "a read-only value that is none", OBJECT("2000", VAR("2000", "5", "ro") "ParameterValue=x\n"),
-      "50: warning: [2000] ParameterValue: a number (UNSIGNED8) expected, there is \"x\": "
+      "67: warning: [2000] ParameterValue: a number (UNSIGNED8) expected, there is \"x\": "
       "ignored\n" },
     { "a name is missing", OBJECT("2000", "[2000]\nParameterName=\nDataType=5\nAccessType=ro\n"),
-      "46: warning: ParameterName: a text expected, it is missing or empty (1 such sections)\n" },
+      "63: warning: ParameterName: a text expected, it is missing or empty (1 such sections)\n" },
     { "SubNumber",
       OBJECT("2000",
              "[2000]\nParameterName=x\nObjectType=8\nSubNumber=3\n" VAR("2000sub0", "5", "ro")
                  VAR("2000sub2", "5", "ro") VAR("2000subFF", "7", "ro")),
-      "46: warning: [2000] SubNumber: 2 expected (so many sub-index sections are there), it is "
+      "63: warning: [2000] SubNumber: 2 expected (so many sub-index sections are there), it is "
       "3\n" },
     { "no sub-index 0",
       OBJECT("2000",
              "[2000]\nParameterName=x\nObjectType=8\nSubNumber=1\n" VAR("2000sub1", "5", "ro")),
-      "46: warning: [2000]: a section [2000sub0] expected, it is missing\n" },
+      "63: warning: [2000]: a section [2000sub0] expected, it is missing\n" },
     { "sub-index 0 of another type",
       OBJECT("2000", "[2000]\nParameterName=x\nObjectType=8\n"
                      "SubNumber=1\n" VAR("2000sub0", "6", "ro")),
-      "50: warning: [2000sub0] DataType: UNSIGNED8 expected for sub-index 0, there is "
+      "67: warning: [2000sub0] DataType: UNSIGNED8 expected for sub-index 0, there is "
       "UNSIGNED16\n" },
     { "a sub-index that is an array",
       OBJECT("2000", "[2000]\nParameterName=x\nObjectType=9\nSubNumber=1\n" VAR(
                          "2000sub0", "5", "ro") "ObjectType=8\n"),
-      "50: warning: [2000sub0] ObjectType: 7 (VAR) expected for a sub-index, there is 8\n" },
+      "67: warning: [2000sub0] ObjectType: 7 (VAR) expected for a sub-index, there is 8\n" },
     { "a VAR with sub-indices",
       OBJECT("2000", "[2000]\nParameterName=x\nSubNumber=1\n" VAR("2000sub0", "5", "ro")),
-      "46: warning: [2000] ObjectType: 8 or 9 (there are sub-indices) expected, there is 7: taken "
+      "63: warning: [2000] ObjectType: 8 or 9 (there are sub-indices) expected, there is 7: taken "
       "as 9\n" },
     { "an unknown object type", U8_OBJECT("ObjectType=3\n"),
-      "46: warning: [2000] ObjectType: 2, 5, 6, 7, 8 or 9 expected, there is 3: taken as 7\n" },
+      "63: warning: [2000] ObjectType: 2, 5, 6, 7, 8 or 9 expected, there is 3: taken as 7\n" },
     { "sub-indices without object", OBJECT("2000", VAR("2000sub0", "5", "ro")),
-      "46: warning: [2000sub0]: a section [2000] for its object expected, it is missing\n" },
+      "63: warning: [2000sub0]: a section [2000] for its object expected, it is missing\n" },
     { "an array of nothing", OBJECT("2000", "[2000]\nParameterName=x\nObjectType=8\nSubNumber=2\n"),
-      "46: warning: [2000] SubNumber: 0 expected (so many sub-index sections are there), it is "
+      "63: warning: [2000] SubNumber: 0 expected (so many sub-index sections are there), it is "
       "2\n" },
     { "compact and not",
       OBJECT("2000", "[2000]\nParameterName=x\nObjectType=8\nSubNumber=1\nCompactSubObj=3\n" VAR(
                          "2000sub0", "5", "ro")),
-      "46: warning: [2000] CompactSubObj: 0 expected (there are sub-index sections), it is 3: "
+      "63: warning: [2000] CompactSubObj: 0 expected (there are sub-index sections), it is 3: "
       "ignored\n" },
     { "compact with too many",
       OBJECT("2000", VAR("2000", "5", "ro") "ObjectType=8\nCompactSubObj=255\n"),
-      "46: warning: [2000] CompactSubObj: at most 254 expected, there is 255: taken as 254\n" },
+      "63: warning: [2000] CompactSubObj: at most 254 expected, there is 255: taken as 254\n" },
     { "compact with a value",
       OBJECT("2000", VAR("2000", "5", "rw") "ObjectType=8\nCompactSubObj=2\nParameterValue=1\n"),
-      "52: warning: [2000] ParameterValue: a section [2000Value] expected for a compact object: "
+      "69: warning: [2000] ParameterValue: a section [2000Value] expected for a compact object: "
       "ignored\n" },
     { "values of compact objects",
       OBJECT(
           "2000",
           VAR("2000", "5",
               "rw") "ObjectType=8\nCompactSubObj=2\n[2000Value]\nNrOfEntries=1\n2=1\n3=1\n0x1=1\n"),
-      "55: warning: [2000Value]: a sub-index of 2000h in decimal expected, there is \"3\": "
+      "72: warning: [2000Value]: a sub-index of 2000h in decimal expected, there is \"3\": "
       "ignored\n"
-      "56: warning: [2000Value]: a sub-index of 2000h in decimal expected, there is \"0x1\": "
+      "73: warning: [2000Value]: a sub-index of 2000h in decimal expected, there is \"0x1\": "
       "ignored\n"
-      "52: warning: [2000Value] NrOfEntries: 3 expected (so many are there), it is 1\n" },
+      "69: warning: [2000Value] NrOfEntries: 3 expected (so many are there), it is 1\n" },
     { "an index in no list", LINES(VAR("2000", "5", "ro")),
-      "46: warning: [2000]: its index expected in [ManufacturerObjects], it is in no list\n" },
+      "63: warning: [2000]: its index expected in [ManufacturerObjects], it is in no list\n" },
     { "indices without section or in the wrong list, and twice",
       LINES("[OptionalObjects]\n1=0x6000\n2=0x2000\n3=0x1000\n4=none\nFoo=1\n"),
-      "46: warning: [OptionalObjects]: expected once, it is also in line 22: keys of both are "
+      "63: warning: [OptionalObjects]: expected once, it is also in line 39: keys of both are "
       "taken, of the same ones the later\n"
-      "47: warning: [OptionalObjects]: a section [6000] for this index expected, it is missing\n"
-      "48: warning: [OptionalObjects]: 2000h expected in [ManufacturerObjects], it is here\n"
-      "48: warning: [OptionalObjects]: a section [2000] for this index expected, it is missing\n"
-      "49: warning: [OptionalObjects]: 1000h expected once, it is also in line 17\n"
-      "50: warning: [OptionalObjects] 4: an index expected, there is \"none\": ignored\n"
-      "46: warning: [OptionalObjects] SupportedObjects: 4 expected (so many are listed), it is 0\n"
-      "51: warning: [OptionalObjects]: a keyword of CiA 306 for this section expected, there is "
+      "64: warning: [OptionalObjects]: a section [6000] for this index expected, it is missing\n"
+      "65: warning: [OptionalObjects]: 2000h expected in [ManufacturerObjects], it is here\n"
+      "65: warning: [OptionalObjects]: a section [2000] for this index expected, it is missing\n"
+      "66: warning: [OptionalObjects]: 1000h expected once, it is also in line 34\n"
+      "67: warning: [OptionalObjects] 4: an index expected, there is \"none\": ignored\n"
+      "63: warning: [OptionalObjects] SupportedObjects: 4 expected (so many are listed), it is 0\n"
+      "68: warning: [OptionalObjects]: a keyword of CiA 306 for this section expected, there is "
       "\"Foo\": ignored\n" },
     { "PDO counts", LINES("[DeviceInfo]\nNrOfRXPDO=1\nNrOfTXPDO=2\n"),
-      "46: warning: [DeviceInfo]: expected once, it is also in line 8: keys of both are taken, of "
+      "63: warning: [DeviceInfo]: expected once, it is also in line 9: keys of both are taken, of "
       "the same ones the later\n"
+      "64: warning: [DeviceInfo] NrOfRXPDO: expected once, it is also in line 27: \"1\" counts, "
+      "not "
+      "\"0\"\n"
+      "65: warning: [DeviceInfo] NrOfTXPDO: expected once, it is also in line 28: \"2\" counts, "
+      "not "
+      "\"0\"\n"
       " warning: [DeviceInfo] NrOfRXPDO: 0 expected (so many communication parameters are there), "
       "it is 1\n"
       " warning: [DeviceInfo] NrOfTXPDO: 0 expected (so many communication parameters are there), "
       "it is 2\n" },
     { "no node-ID, no bit rate", COMMISSIONING("NodeID=\n"),
-      "46: warning: [DeviceComissioning] NodeID: 1..127 expected, it is missing or empty\n"
-      "46: warning: [DeviceComissioning] Baudrate: 10, 20, 50, 125, 250, 500, 800 or 1000 "
+      "63: warning: [DeviceComissioning] NodeID: 1..127 expected, it is missing or empty\n"
+      "63: warning: [DeviceComissioning] Baudrate: 10, 20, 50, 125, 250, 500, 800 or 1000 "
       "expected, there is none: not configured\n" },
     { "a node-ID and bit rate that are not configured", COMMISSIONING("NodeID=0xFF\nBaudrate=0\n"),
-      "47: warning: [DeviceComissioning] NodeID: 1..127 expected, there is \"0xFF\": taken as not "
+      "64: warning: [DeviceComissioning] NodeID: 1..127 expected, there is \"0xFF\": taken as not "
       "configured\n"
-      "48: warning: [DeviceComissioning] Baudrate: 10, 20, 50, 125, 250, 500, 800 or 1000 "
+      "65: warning: [DeviceComissioning] Baudrate: 10, 20, 50, 125, 250, 500, 800 or 1000 "
       "expected, there is 0: not configured\n" },
 };
 
@@ -231,80 +332,81 @@ static const struct {
     const char *message;
 } errors[] = {
     { "a value that is no number", U8_OBJECT("ParameterValue=abc\n"), DCF_ERROR_WRONG_PARAMETER,
-      "50: error: [2000] ParameterValue: a number (UNSIGNED8) expected, there is \"abc\"\n" },
+      "67: error: [2000] ParameterValue: a number (UNSIGNED8) expected, there is \"abc\"\n" },
     { "a value beyond its type", U8_OBJECT("ParameterValue=256\n"), DCF_ERROR_OUT_OF_RANGE,
-      "50: error: [2000] ParameterValue: a number in the range of UNSIGNED8 expected, there is "
+      "67: error: [2000] ParameterValue: a number in the range of UNSIGNED8 expected, there is "
       "\"256\"\n" },
     { "a value above its limits", U8_OBJECT("LowLimit=1\nHighLimit=3\nParameterValue=4\n"),
       DCF_ERROR_OUT_OF_LIMITS,
-      "52: error: 2000h:00 ParameterValue: 1 to 3 expected (its limits), there is 4\n" },
+      "69: error: 2000h:00 ParameterValue: 1 to 3 expected (its limits), there is 4\n" },
     { "a value below its limits",
       OBJECT("2000", VAR("2000", "4", "rw") "LowLimit=-5\nHighLimit=0xFFFFFFFE\n"
                                             "ParameterValue=-6\n"),
       DCF_ERROR_OUT_OF_LIMITS,
-      "52: error: 2000h:00 ParameterValue: -5 to -2 expected (its limits), there is -6\n" },
+      "69: error: 2000h:00 ParameterValue: -5 to -2 expected (its limits), there is -6\n" },
     { "a fraction outside its limits",
       OBJECT("2000", VAR("2000", "8", "rw") "LowLimit=0.5\nHighLimit=1e3\nParameterValue=0.25\n"),
       DCF_ERROR_OUT_OF_LIMITS,
-      "52: error: 2000h:00 ParameterValue: 0.5 to 1000 expected (its limits), there is 0.25\n" },
+      "69: error: 2000h:00 ParameterValue: 0.5 to 1000 expected (its limits), there is 0.25\n" },
     { "64 bits above their limit",
       OBJECT("2000", VAR("2000", "0x1B", "rw") "HighLimit=0x7FFFFFFFFFFFFFFF\n"
                                                "ParameterValue=0x8000000000000000\n"),
       DCF_ERROR_OUT_OF_LIMITS,
-      "51: error: 2000h:00 ParameterValue: (none) to 9223372036854775807 expected (its limits), "
+      "68: error: 2000h:00 ParameterValue: (none) to 9223372036854775807 expected (its limits), "
       "there is 9223372036854775808\n" },
     { "a double outside its limits",
       OBJECT("2000", VAR("2000", "0x11", "rw") "HighLimit=1e300\nParameterValue=2e300\n"),
       DCF_ERROR_OUT_OF_LIMITS,
-      "51: error: 2000h:00 ParameterValue: (none) to 1e+300 expected (its limits), there is "
+      "68: error: 2000h:00 ParameterValue: (none) to 1e+300 expected (its limits), there is "
       "2e+300\n" },
     { "a boolean that is none", OBJECT("2000", VAR("2000", "1", "rw") "ParameterValue=2\n"),
       DCF_ERROR_OUT_OF_RANGE,
-      "50: error: [2000] ParameterValue: 0 or 1 in the range of BOOLEAN expected, there is "
+      "67: error: [2000] ParameterValue: 0 or 1 in the range of BOOLEAN expected, there is "
       "\"2\"\n" },
     { "a fraction that is none", OBJECT("2000", VAR("2000", "8", "rw") "ParameterValue=1,5\n"),
       DCF_ERROR_WRONG_PARAMETER,
-      "50: error: [2000] ParameterValue: a decimal fraction or a hexadecimal bit pattern (REAL32) "
+      "67: error: [2000] ParameterValue: a decimal fraction or a hexadecimal bit pattern (REAL32) "
       "expected, there is \"1,5\"\n" },
     { "a time that is none", OBJECT("2000", VAR("2000", "0xC", "rw") "ParameterValue=noon\n"),
       DCF_ERROR_WRONG_PARAMETER,
-      "50: error: [2000] ParameterValue: days and milliseconds, or 12 hexadecimal digits "
+      "67: error: [2000] ParameterValue: days and milliseconds, or 12 hexadecimal digits "
       "(TIME_OF_DAY) expected, there is \"noon\"\n" },
     { "a value of no type", OBJECT("2000", VAR("2000", "0x40", "rw") "ParameterValue=1\n"),
       DCF_ERROR_WRONG_PARAMETER,
-      "48: warning: [2000] DataType: a data type of CiA 301 expected, there is 0x40: the entry "
+      "65: warning: [2000] DataType: a data type of CiA 301 expected, there is 0x40: the entry "
       "cannot be used\n"
-      "50: error: [2000] ParameterValue: a data type of CiA 301 (unknown type) expected, there is "
+      "67: error: [2000] ParameterValue: a data type of CiA 301 (unknown type) expected, there is "
       "\"1\"\n" },
     { "a value of a compact object",
       OBJECT("2000", VAR("2000", "5", "rw") "ObjectType=8\nCompactSubObj=2\nHighLimit=9\n"
                                             "[2000Value]\nNrOfEntries=1\n2=10\n"),
       DCF_ERROR_OUT_OF_LIMITS,
-      "55: error: 2000h:02 ParameterValue: (none) to 9 expected (its limits), there is 10\n" },
+      "72: error: 2000h:02 ParameterValue: (none) to 9 expected (its limits), there is 10\n" },
     { "a node-ID that is too high", COMMISSIONING("NodeID=128\nBaudrate=500\n"),
       DCF_ERROR_WRONG_MODULE_NO,
-      "47: error: [DeviceComissioning] NodeID: 1..127 expected, there is \"128\"\n" },
+      "64: error: [DeviceComissioning] NodeID: 1..127 expected, there is \"128\"\n" },
     { "a node-ID that is no number", COMMISSIONING("NodeID=five\nBaudrate=500\n"),
       DCF_ERROR_WRONG_NODE_ID,
-      "47: error: [DeviceComissioning] NodeID: 1..127 expected, there is \"five\"\n" },
+      "64: error: [DeviceComissioning] NodeID: 1..127 expected, there is \"five\"\n" },
     { "a bit rate of no CANopen network", COMMISSIONING("NodeID=5\nBaudrate=333\n"),
       DCF_ERROR_WRONG_BAUDRATE,
-      "48: error: [DeviceComissioning] Baudrate: 10, 20, 50, 125, 250, 500, 800 or 1000 expected, "
+      "65: error: [DeviceComissioning] Baudrate: 10, 20, 50, 125, 250, 500, 800 or 1000 expected, "
       "there is \"333\"\n" },
     { "a formula that leaves its type",
-      OBJECT("2000", VAR("2000", "5", "rw") "ParameterValue=$NODEID+250\n"
-                                            "[DeviceComissioning]\nNodeID=6\nBaudrate=500\n"),
+      OBJECT("2000",
+             VAR("2000", "5", "rw") "ParameterValue=$NODEID+250\n"
+                                    "[DeviceComissioning]\nNodeID=6\nBaudrate=500\n" NETWORK),
       DCF_ERROR_OUT_OF_RANGE,
-      "50: error: 2000h:00: a value of UNSIGNED8 expected, with node-ID 6 this is too large\n" },
+      "67: error: 2000h:00: a value of UNSIGNED8 expected, with node-ID 6 this is too large\n" },
     { "a module that is not there",
       LINES("[SupportedModules]\nNrOfEntries=2\n[ConnectedModules]\nNrOfEntries=2\n1=2\n2=3\n"),
       DCF_ERROR_WRONG_MODULE_NO,
-      "51: error: [ConnectedModules] 2: a module of 1..2 expected, there is \"3\"\n" },
+      "68: error: [ConnectedModules] 2: a module of 1..2 expected, there is \"3\"\n" },
     { "all errors are told, the kind is the first one's",
-      U8_OBJECT("ParameterValue=256\n[DeviceComissioning]\nNodeID=200\nBaudrate=500\n"),
+      U8_OBJECT("ParameterValue=256\n[DeviceComissioning]\nNodeID=200\nBaudrate=500\n" NETWORK),
       DCF_ERROR_WRONG_MODULE_NO,
-      "52: error: [DeviceComissioning] NodeID: 1..127 expected, there is \"200\"\n"
-      "50: error: [2000] ParameterValue: a number in the range of UNSIGNED8 expected, there is "
+      "69: error: [DeviceComissioning] NodeID: 1..127 expected, there is \"200\"\n"
+      "67: error: [2000] ParameterValue: a number in the range of UNSIGNED8 expected, there is "
       "\"256\"\n" },
 };
 

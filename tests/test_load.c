@@ -17,8 +17,10 @@
     "</Manager_Instance></CANopen_Manager>"
 #define NODE(id, file) "<Node_Instance><Node_Id>" #id "</Node_Id>" file "</Node_Instance>\n"
 #define DCF_OF(value)                                                                              \
-    OBJECT("2000", VAR("2000", "5", "rw") "ParameterValue=" value "\n"                             \
-                                          "[DeviceComissioning]\nBaudrate=500\nNodeID=5\n")
+    OBJECT("2000",                                                                                 \
+           VAR("2000", "5", "rw") "ParameterValue=" value "\n"                                     \
+                                  "[DeviceComissioning]\nBaudrate=500\nNodeID=5\n"                 \
+                                  "NodeName=\nNetNumber=1\nNetworkName=\nCANopenManager=0\n")
 
 static char folder[SUITE_PATH_SIZE];
 static struct messages messages;
@@ -215,7 +217,7 @@ START_TEST(warnings_about_a_dcf_are_counted)
     write_text("a.dcf", DCF_OF("256") "Foo=1\n");
     ck_assert_int_eq(load_dcf("a.dcf", &messages.report, &dcf), CANOPEN_DCF_OUT_OF_RANGE);
     ck_assert_str_eq(messages.text,
-                     "dcf:50: error: [2000] ParameterValue: a number in the range of UNSIGNED8 "
+                     "dcf:67: error: [2000] ParameterValue: a number in the range of UNSIGNED8 "
                      "expected, there is \"256\"\n"
                      "dcf: warning: 1 warning about this file, which is used as far as it is "
                      "understood: \"dcftest a.dcf\" shows them\n");

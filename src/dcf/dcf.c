@@ -76,11 +76,13 @@ uint32_t dcf_value(const struct dcf_value *value, uint8_t node_id, uint8_t *byte
 static void build(struct dcf_builder *self)
 {
     dcf_build_info(self);
+    dcf_build_commissioning(self);
     dcf_build_objects(self);
     dcf_build_compact_pdos(self);
     dcf_apply_compact_lists(self);
     dcf_check_lists(self);
     dcf_check_modules(self);
+    dcf_check_notes(self);
     dcf_check_values(self);
 }
 

@@ -11,18 +11,47 @@
 
 #define DCF_ENTRIES_MAX 131072u /* what two lines can ask for must not take all memory */
 
+#define EDS_VERSION_3 30u /* where the file tells none */
+#define EDS_VERSION_4 40u
+
 struct dcf_builder {
     struct dcf *dcf;
     struct dcf_text text;
     struct co_report *report;
     bool no_memory;      /* once set, the rest is only passed through */
     uint8_t compact_pdo; /* [DeviceInfo] CompactPDO */
+    uint8_t eds_version; /* 40: 4.0 */
     unsigned no_name;    /* entries without ParameterName, and the first one's line */
     unsigned no_name_line;
 };
 
-/* dcf_info.c */
+/* dcf_info.c: [FileInfo], [DeviceInfo], [DummyUsage] */
 void dcf_build_info(struct dcf_builder *self);
+
+/* dcf_commissioning.c */
+void dcf_build_commissioning(struct dcf_builder *self);
+
+/* dcf_numbered.c: sections with a number of entries and the keywords 1, 2, 3, ... */
+struct dcf_numbered {
+    const char *count_key; /* "SupportedObjects" */
+    const char *prefix;    /* "Line" in front of the numbers, or "" */
+    bool may_be_empty;
+    enum dcf_rule rule; /* for a count that is wrong */
+    /* Gets each entry, or NULL. */
+    void (*take)(void *context, const struct dcf_section *section, const struct dcf_key *key,
+                 unsigned number);
+};
+
+/* Uses these keywords, tells a wrong count or a gap. */
+void dcf_read_numbered(struct dcf_builder *self, struct dcf_section *section,
+                       const struct dcf_numbered *form, void *context);
+/* False: the key is no index (told). */
+bool dcf_key_index(struct dcf_builder *self, const struct dcf_section *section,
+                   const struct dcf_key *key, uint16_t *ret_index);
+
+/* dcf_notes.c: comments, tools, dynamic channels, object links */
+void dcf_check_notes(struct dcf_builder *self);
+void dcf_check_comments(struct dcf_builder *self, struct dcf_section *section);
 
 /* dcf_lists.c: object lists against sections; NrOfRXPDO and NrOfTXPDO; [ConnectedModules] */
 void dcf_check_lists(struct dcf_builder *self);
@@ -75,10 +104,22 @@ static inline void dcf_key_text(struct dcf_builder *self, struct dcf_section *se
     dcf_text_of_key(self, dcf_section_find(section, name), text);
 }
 
+/* 0: not given */
+unsigned dcf_key_line(struct dcf_section *section, const char *name);
+
 /* The key as a value of an entry: one that is not valid is an error if 'strict', else a warning. */
 void dcf_key_value(struct dcf_builder *self, const struct dcf_section *section,
                    const struct dcf_key *key, uint8_t type, bool strict, struct dcf_value *value);
 void dcf_tell_unused(struct dcf_builder *self, const struct dcf_section *section);
+/* The name of the file, or an empty one. */
+struct dcf_slice dcf_report_file(const struct dcf_builder *self);
+/* True for a key that is there, also empty. */
+bool dcf_section_has(const struct dcf_section *section, const char *name);
+/* Keys that nobody reads here. */
+void dcf_use_keys(struct dcf_section *section, const char *const *names, size_t count);
+/* Tells which of the keys are missing (or empty), in one message. */
+void dcf_expect_keys(struct dcf_builder *self, struct dcf_section *section,
+                     const char *const *names, size_t count, bool may_be_empty);
 
 /* A number or text that is not in the file. */
 void dcf_set_number(struct dcf_builder *self, struct dcf_value *value, uint32_t size,

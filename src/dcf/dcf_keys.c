@@ -1,8 +1,9 @@
 #include "dcf/dcf_build.h"
-#include "dcf/dcf_utf8.h"
 
 #include "base/bytes.h"
+#include "dcf/dcf_utf8.h"
 
+#include <stdio.h>
 #include <string.h>
 
 static const struct {
@@ -52,6 +53,54 @@ uint32_t dcf_number_of_key(struct dcf_builder *self, const struct dcf_section *s
     }
     tell_quirks(self, section, key, number.quirks);
     return (uint32_t)number.magnitude;
+}
+
+unsigned dcf_key_line(struct dcf_section *section, const char *name)
+{
+    const struct dcf_key *key = dcf_section_find(section, name);
+
+    return key ? key->line : 0;
+}
+
+void dcf_use_keys(struct dcf_section *section, const char *const *names, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        dcf_section_find(section, names[i]);
+}
+
+struct dcf_slice dcf_report_file(const struct dcf_builder *self)
+{
+    return dcf_slice_of(self->report->file ? self->report->file : "");
+}
+
+bool dcf_section_has(const struct dcf_section *section, const char *name)
+{
+    for (size_t i = 0; i < section->count; i++) {
+        if (dcf_slice_is(section->keys[i].name, name))
+            return true;
+    }
+    return false;
+}
+
+void dcf_expect_keys(struct dcf_builder *self, struct dcf_section *section,
+                     const char *const *names, size_t count, bool may_be_empty)
+{
+    char missing[400] = "";
+    size_t used = 0, left = 0;
+
+    for (size_t i = 0; i < count; i++) {
+        bool there = dcf_section_find(section, names[i]) ||
+                     (may_be_empty && dcf_section_has(section, names[i]));
+
+        if (there || used >= sizeof missing)
+            continue;
+        used += (size_t)snprintf(missing + used, sizeof missing - used, "%s%s", left++ ? ", " : "",
+                                 names[i]);
+    }
+    if (left > 0)
+        dcf_tell(self->report, DCF_RULE_KEY_MISSING, section->line,
+                 "[%s]: %s expected, %s missing%s", dcf_show(section->name).text, missing,
+                 left > 1 ? "they are" : "it is", may_be_empty ? "" : " or empty");
 }
 
 void dcf_text_of_key(struct dcf_builder *self, const struct dcf_key *key, char **text)

@@ -4,6 +4,8 @@
 #include <stdlib.h>
 
 #define FIRST_OBJECT 0x1000u
+#define LAST_TYPE    0x025Fu
+#define IDENTITY     0x1018u /* mandatory since version 4 of the files */
 #define MODULE_MAX   127u
 #define PDOS_MAX     512u
 
@@ -18,25 +20,35 @@ static const struct list {
 
 #define LIST_COUNT (sizeof lists / sizeof lists[0])
 
-static bool belongs(enum dcf_section_kind list, uint32_t index)
+static bool is_mandatory(uint32_t index)
 {
-    bool mandatory = index == 0x1000 || index == 0x1001 || index == 0x1018;
+    return index == 0x1000 || index == 0x1001 || index == IDENTITY;
+}
+
+/* Data types that a device brings along may be in the lists of both. */
+static bool belongs(const struct dcf_builder *self, enum dcf_section_kind list, uint32_t index)
+{
     bool manufacturer = index >= 0x2000 && index <= 0x5FFF;
 
+    if (index > 0 && index <= LAST_TYPE)
+        return list != DCF_SECTION_MANDATORY;
     if (list == DCF_SECTION_MANDATORY)
-        return mandatory;
+        return is_mandatory(index);
     if (list == DCF_SECTION_MANUFACTURER)
         return manufacturer;
-    return index >= FIRST_OBJECT && !mandatory && !manufacturer;
+    if (index == IDENTITY && self->eds_version < EDS_VERSION_4)
+        return true;
+    return index >= FIRST_OBJECT && !is_mandatory(index) && !manufacturer;
 }
 
 static const char *list_of(uint32_t index)
 {
-    for (size_t i = 0; i < LIST_COUNT; i++) {
-        if (belongs(lists[i].kind, index))
-            return lists[i].name;
-    }
-    return "no list";
+    if (is_mandatory(index))
+        return "[MandatoryObjects]";
+    if (index >= 0x2000 && index <= 0x5FFF)
+        return "[ManufacturerObjects]";
+    return index >= FIRST_OBJECT || (index > 0 && index <= LAST_TYPE) ? "[OptionalObjects]"
+                                                                      : "no list";
 }
 
 struct place {             /* of an index */
@@ -44,70 +56,54 @@ struct place {             /* of an index */
     unsigned section_line; /* 0: there is no section */
 };
 
-static bool parse_index(struct dcf_slice text, uint32_t *ret_index)
+struct lister {
+    struct dcf_builder *builder;
+    struct place *places;
+};
+
+static void take_listed(void *context, const struct dcf_section *section, const struct dcf_key *key,
+                        unsigned number)
 {
-    struct dcf_number number;
+    struct lister *self = context;
+    struct co_report *report = self->builder->report;
+    struct place *place;
+    uint16_t index;
 
-    if (!dcf_number_parse(text, &number) || number.has_node_id || number.negative ||
-        number.too_large || number.magnitude > UINT16_MAX)
-        return false;
-    *ret_index = (uint32_t)number.magnitude;
-    return true;
-}
-
-static void check_listed(struct dcf_builder *self, const struct dcf_section *section,
-                         const struct dcf_key *key, struct place *places)
-{
-    uint32_t index;
-
-    if (!parse_index(key->value, &index)) {
-        dcf_tell(self->report, DCF_RULE_LIST_ENTRY, key->line,
-                 "[%s] %s: an index expected, there is \"%s\": ignored",
-                 dcf_show(section->name).text, dcf_show(key->name).text, dcf_show(key->value).text);
+    (void)number;
+    if (!dcf_key_index(self->builder, section, key, &index))
         return;
-    }
-    if (places[index].list_line != 0)
-        dcf_tell(self->report, DCF_RULE_LISTED_TWICE, key->line,
-                 "[%s]: %04lXh expected once, it is also in line %u", dcf_show(section->name).text,
-                 (unsigned long)index, places[index].list_line);
-    else if (!belongs(section->kind, index))
-        dcf_tell(self->report, DCF_RULE_WRONG_LIST, key->line,
-                 "[%s]: %04lXh expected in [%s], it is here", dcf_show(section->name).text,
-                 (unsigned long)index, list_of(index));
-    if (places[index].section_line == 0 && !dcf_has_object(self->dcf, (uint16_t)index))
-        dcf_tell(self->report, DCF_RULE_LISTED_MISSING, key->line,
-                 "[%s]: a section [%04lX] for this index expected, it is missing",
-                 dcf_show(section->name).text, (unsigned long)index);
-    places[index].list_line = key->line;
+    place = &self->places[index];
+    if (place->list_line != 0)
+        dcf_tell(report, DCF_RULE_LISTED_TWICE, key->line,
+                 "[%s]: %04Xh expected once, it is also in line %u", dcf_show(section->name).text,
+                 index, place->list_line);
+    else if (!belongs(self->builder, section->kind, index))
+        dcf_tell(report, DCF_RULE_WRONG_LIST, key->line, "[%s]: %04Xh expected in %s, it is here",
+                 dcf_show(section->name).text, index, list_of(index));
+    if (place->section_line == 0 && !dcf_has_object(self->builder->dcf, index))
+        dcf_tell(report, DCF_RULE_LISTED_MISSING, key->line,
+                 "[%s]: a section [%04X] for this index expected, it is missing",
+                 dcf_show(section->name).text, index);
+    place->list_line = key->line;
 }
 
+/* Lists without entries may be left out: what is in none is told with the object. */
 static void check_list(struct dcf_builder *self, const struct list *list, struct place *places)
 {
+    static const struct dcf_numbered form = { .count_key = "SupportedObjects",
+                                              .prefix = "",
+                                              .rule = DCF_RULE_LIST_COUNT,
+                                              .take = take_listed };
     struct dcf_section *section = dcf_text_find(&self->text, list->kind);
-    uint32_t announced;
-    size_t count = 0;
-    unsigned number;
+    struct lister lister = { self, places };
 
-    if (!section) {
+    if (section) {
+        dcf_read_numbered(self, section, &form, &lister);
+        dcf_tell_unused(self, section);
+    } else if (list->kind == DCF_SECTION_MANDATORY) {
         dcf_tell(self->report, DCF_RULE_SECTION_MISSING, 0,
                  "a section [%s] expected, it is missing", list->name);
-        return;
     }
-    announced = dcf_key_number(self, section, "SupportedObjects", UINT16_MAX, 0);
-    for (size_t i = 0; i < section->count; i++) {
-        struct dcf_key *key = &section->keys[i];
-
-        if (!dcf_slice_decimal(key->name, UINT16_MAX, &number) || key->value.size == 0)
-            continue;
-        key->used = true;
-        check_listed(self, section, key, places);
-        count++;
-    }
-    if (count != announced)
-        dcf_tell(self->report, DCF_RULE_LIST_COUNT, section->line,
-                 "[%s] SupportedObjects: %zu expected (so many are listed), it is %lu", list->name,
-                 count, (unsigned long)announced);
-    dcf_tell_unused(self, section);
 }
 
 static void check_sections(struct dcf_builder *self, const struct place *places)
@@ -118,7 +114,7 @@ static void check_sections(struct dcf_builder *self, const struct place *places)
         if (section->kind == DCF_SECTION_OBJECT && section->index >= FIRST_OBJECT &&
             places[section->index].list_line == 0)
             dcf_tell(self->report, DCF_RULE_NOT_LISTED, section->line,
-                     "[%04X]: its index expected in [%s], it is in no list", section->index,
+                     "[%04X]: its index expected in %s, it is in no list", section->index,
                      list_of(section->index));
     }
 }
@@ -178,7 +174,7 @@ void dcf_check_modules(struct dcf_builder *self)
     struct dcf_section *supported = dcf_text_find(&self->text, DCF_SECTION_SUPPORTED_MODULES);
     struct dcf_section *connected = dcf_text_find(&self->text, DCF_SECTION_CONNECTED_MODULES);
     uint32_t most = MODULE_MAX;
-    uint32_t module;
+    uint16_t module;
     unsigned slot;
 
     if (supported)
@@ -188,7 +184,7 @@ void dcf_check_modules(struct dcf_builder *self)
 
         if (!dcf_slice_decimal(key->name, UINT16_MAX, &slot) || key->value.size == 0)
             continue;
-        if (!parse_index(key->value, &module) || module < 1 || module > most)
+        if (dcf_key_index(self, connected, key, &module) && (module < 1 || module > most))
             dcf_tell(self->report, DCF_RULE_MODULE_NUMBER, key->line,
                      "[%s] %u: a module of 1..%lu expected, there is \"%s\"",
                      dcf_show(connected->name).text, slot, (unsigned long)most,

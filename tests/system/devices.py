@@ -9,6 +9,7 @@ Description=made by a test
 CreationTime=09:00AM
 CreationDate=11-22-2026
 CreatedBy=tests
+LastEDS=device.eds
 
 [DeviceInfo]
 VendorName=tests
@@ -16,8 +17,21 @@ VendorNumber=0x29A
 ProductName=simulated
 ProductNumber=1
 RevisionNumber=0x10001
+OrderCode=T-1
+BaudRate_10=0
+BaudRate_20=0
+BaudRate_50=0
+BaudRate_125=0
+BaudRate_250=0
+BaudRate_500=0
+BaudRate_800=0
 BaudRate_1000=1
+SimpleBootUpMaster=0
+SimpleBootUpSlave=1
 Granularity=8
+NrOfRXPDO=0
+NrOfTXPDO=0
+LSS_Supported=0
 
 [DummyUsage]
 Dummy0005=1
@@ -93,12 +107,19 @@ def object_list(section, indexes):
     yield ""
 
 
+def file_information(node, pdos):
+    info = FILE.replace("NrOfTXPDO=0", f"NrOfTXPDO={pdos}")
+    if node is not None:
+        return info
+    return info.replace("LastEDS=device.eds\n", "").replace("=device.dcf", "=device.eds")
+
+
 def dcf(node, objects, baudrate=1000):
     """A device configuration file; node None: an EDS."""
     lines = []
     if node is not None:
         lines += ["[DeviceComissioning]", f"NodeID={node}", f"NodeName=node{node}",
-                  f"Baudrate={baudrate}", ""]
+                  f"Baudrate={baudrate}", "NetNumber=1", "NetworkName=", "CANopenManager=0", ""]
     indexes = [each.index for each in objects]
     mandatory = {0x1000, 0x1001, 0x1018}
     lines += object_list("MandatoryObjects", [i for i in indexes if i in mandatory])
@@ -108,8 +129,7 @@ def dcf(node, objects, baudrate=1000):
     for each in objects:
         lines += each.lines()
     pdos = sum(0x1800 <= index < 0x1A00 for index in indexes)
-    info = FILE.replace("Granularity=8\n", f"Granularity=8\nNrOfTXPDO={pdos}\n")
-    return info + "\n".join(lines) + "\n"
+    return file_information(node, pdos) + "\n".join(lines) + "\n"
 
 
 def elements(values, indent):

@@ -151,7 +151,7 @@ class Network(Dcf2ccf):
         self.write("network.xml", network([node(5, DCF_File="a.dcf"), node(6, DCF_File="b.dcf")]))
         before = self.files()
         self.convert("--from-network", "network.xml", "--depfile", "d", code=2,
-                     says="b.dcf:119: error: [2000] ParameterValue: ")
+                     says="b.dcf:135: error: [2000] ParameterValue: ")
         self.assertEqual(self.files(), before)
         self.assertEqual((self.folder / "node-6.ccf").read_bytes(), b"old")
         self.convert("--from-network", "none.xml", code=2, says="none.xml: error: no such file")

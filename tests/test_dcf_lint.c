@@ -61,10 +61,19 @@ START_TEST(objects)
 }
 END_TEST
 
+START_TEST(no_objects)
+{
+    ck_assert_str_eq(lint_of_file("[FileInfo]\nFileName=a.eds\n"),
+                     "0 no-error-control: an object 1017h (heartbeat) expected, or 100Ch and 100Dh "
+                     "(guarding), there is neither\n");
+}
+END_TEST
+
 int main(void)
 {
     TCase *tests = tcase_create("dcf_lint");
 
     tcase_add_loop_test(tests, objects, 0, sizeof rows / sizeof rows[0]);
+    tcase_add_test(tests, no_objects);
     return suite_run("dcf_lint", tests);
 }

@@ -46,10 +46,12 @@ static bool object_at(const struct dcf *dcf, size_t first, struct dcf_lint_objec
 {
     size_t end = first;
 
+    if (first >= dcf->count)
+        return false;
     while (end < dcf->count && dcf->entries[end].index == dcf->entries[first].index)
         end++;
     *ret_object = (struct dcf_lint_object){ &dcf->entries[first], end - first };
-    return end > first;
+    return true;
 }
 
 bool dcf_lint_first(const struct dcf_lint *self, struct dcf_lint_object *ret_object, uint16_t index)

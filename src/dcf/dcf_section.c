@@ -107,9 +107,9 @@ static bool has_few_keys(const struct dcf_section *section)
 
 static struct dcf_key *scan(struct dcf_key *keys, size_t count, struct dcf_slice name, uint32_t tag)
 {
-    for (struct dcf_key *key = keys; key < keys + count; key++) {
-        if (key->tag == tag && compare_names(key->name, name) == 0)
-            return key;
+    for (size_t i = 0; i < count; i++) {
+        if (keys[i].tag == tag && compare_names(keys[i].name, name) == 0)
+            return &keys[i];
     }
     return NULL;
 }
@@ -181,7 +181,8 @@ enum co_err dcf_text_sort(struct dcf_text *self, struct co_report *report)
         dcf_section_know(section, report);
         section->order = order_of(section);
         section->keys = keys;
-        keys += section->count;
+        if (section->count > 0)
+            keys += section->count;
     }
     qsort(self->sections, self->section_count, sizeof *self->sections, compare_sections);
     if (has_twins(self) && join_twins(self, report) != CO_OK)

@@ -79,7 +79,7 @@ static const struct lint_row mappings_rows[] = {
     { "rwr in an RPDO",
       RPDO TPDO MAPPING("1600", D("1"), D("0x20000008"), D("0")) TARGET("2000", "5", "rwr", "1")
           RECORD_OF("1A00", 1) VALUE("1A00sub0", "5", "rw", "0"),
-      "52 mapping-direction: 1600h:01: an object that can be written expected in a RPDO, 2000h:00 "
+      "52 mapping-direction: 1600h:01: an object that can be written expected in an RPDO, 2000h:00 "
       "is rwr\n" },
     { "ro, const and rwr in a TPDO",
       TPDO MAPPING("1A00", D("2"), D("0x20000008"), D("0x20010008")) TARGET("2000", "5", "rwr", "1")
@@ -102,6 +102,11 @@ static const struct lint_row mappings_rows[] = {
           VALUE("1600sub1", "7", "rw", "0x20000008") U8_TARGET,
       "24 mapping-access: 1600h:00: a writable number of mapped objects expected (01 is rw), it is "
       "const\n" },
+    { "a PDO that cannot be switched off",
+      RECORD_OF("1400", 3) VALUE("1400sub0", "5", "ro", "2")
+          VALUE("1400sub1", "7", "const", "$NODEID+0x200") VALUE("1400sub2", "5", "rw", "255")
+              MAPPING("1600", D("0"), D("0"), D("0")),
+      "10 mapping-cob-id: 1400h:01: a writable COB-ID expected (1600h:01 is rw), it is const\n" },
     { "a mapping that cannot be changed",
       RPDO RECORD_OF("1600", 2) VALUE("1600sub0", "5", "const", "1")
           VALUE("1600sub1", "7", "ro", "0x20000008") U8_TARGET,

@@ -103,9 +103,9 @@ static void check_target(const struct mapping *self, const struct mapped *mapped
                  mapped->entry->index, mapped->entry->sub, mapped->index, mapped->sub);
     else if (!has_direction(target, self->transmit))
         dcf_tell(report, DCF_RULE_MAPPING_DIRECTION, mapped->line,
-                 "%04Xh:%02X: an object that can be %s expected in a %s, %04Xh:%02X is %s",
+                 "%04Xh:%02X: an object that can be %s expected in %s, %04Xh:%02X is %s",
                  mapped->entry->index, mapped->entry->sub, self->transmit ? "read" : "written",
-                 self->transmit ? "TPDO" : "RPDO", mapped->index, mapped->sub,
+                 self->transmit ? "a TPDO" : "an RPDO", mapped->index, mapped->sub,
                  dcf_access_text(target->access));
 }
 
@@ -274,22 +274,32 @@ static bool is_writable(const struct dcf_entry *entry)
     return entry->access != OD_RO && entry->access != OD_CONST;
 }
 
-/* What is mapped can be changed only where its number can. */
+static const struct dcf_entry *first_writable(const struct dcf_lint_object *object)
+{
+    for (size_t i = 0; i < object->count; i++) {
+        if (object->entries[i].sub > 0 && is_writable(&object->entries[i]))
+            return &object->entries[i];
+    }
+    return NULL;
+}
+
+/* What is mapped can be changed only while its number is 0 and the PDO is off. */
 static void check_access(const struct dcf_lint *self, const struct dcf_lint_object *object)
 {
-    const struct dcf_entry *first = object->entries;
+    const struct dcf_entry *first = object->entries, *writable = first_writable(object);
+    const struct dcf_entry *cob_id = dcf_find(self->dcf, (uint16_t)(first->index - MAPPING_OFFSET),
+                                              1);
 
-    if (first->sub != 0 || is_writable(first))
-        return;
-    for (size_t i = 1; i < object->count; i++) {
-        if (!is_writable(&first[i]))
-            continue;
+    if (writable && first->sub == 0 && !is_writable(first))
         dcf_tell(self->report, DCF_RULE_MAPPING_ACCESS, first->line,
                  "%04Xh:00: a writable number of mapped objects expected (%02X is %s), it is %s",
-                 first->index, first[i].sub, dcf_access_text(first[i].access),
+                 first->index, writable->sub, dcf_access_text(writable->access),
                  dcf_access_text(first->access));
-        return;
-    }
+    if (writable && cob_id && !is_writable(cob_id))
+        dcf_tell(self->report, DCF_RULE_MAPPING_COB_ID, cob_id->line,
+                 "%04Xh:01: a writable COB-ID expected (%04Xh:%02X is %s), it is %s", cob_id->index,
+                 writable->index, writable->sub, dcf_access_text(writable->access),
+                 dcf_access_text(cob_id->access));
 }
 
 void dcf_lint_mapping(const struct dcf_lint *self, const struct dcf_lint_object *object)

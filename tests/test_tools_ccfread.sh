@@ -154,6 +154,12 @@ true
 10
 END
 expect 'JSON values' 0 '' '' diff wanted values
+bytes 07000000 09200006000000 4100E900AC20 09200000000000 09200001000000 41 \
+    09200004000000 3DD800DE 09200002000000 00D8 09200002000000 FFDF 09200002000000 FFFF >wide.ccf
+"$ccfread" --json -e device.eds wide.ccf | sed -n 's/.*"data":"[0-9A-F]*",*\(.*\)"index.*/\1/p' \
+    >values
+same 'wide text in JSON' '"value":"A\u00E9\u20AC", "value":"",     "value":"\uFFFF",' \
+    "$(tr '\n' ' ' <values | sed 's/ $//')"
 for day in 0:1984-01-01 3B:1984-02-29 3C:1984-03-01 16D:1984-12-31 16E:1985-01-01 4D96:2038-05-19 \
     A61B:2100-06-04 FFFF:2163-06-06; do
     number=$(printf %08X "0x${day%:*}" | sed 's/\(..\)\(..\)\(..\)\(..\)/\4\3\2\1/')

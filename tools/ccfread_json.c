@@ -9,6 +9,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+#define FIRST_HALF 0xD800u /* of pairs that stand for other characters */
+#define LAST_HALF  0xDFFFu
+
 /* Files may have millions of entries: they are written one by one, none is kept. */
 
 static json_t *hex_of(const uint8_t *bytes, size_t size)
@@ -53,6 +56,45 @@ static json_t *integer_of(const struct ccf_entry *entry, uint8_t type)
                                 : number_of(get_le(entry->value, entry->size));
 }
 
+/* At most three bytes. */
+static size_t put_utf8(char *text, unsigned unit)
+{
+    if (unit < 0x80) {
+        text[0] = (char)unit;
+        return 1;
+    }
+    if (unit < 0x800) {
+        text[0] = (char)(0xC0 | unit >> 6);
+        text[1] = (char)(0x80 | (unit & 0x3F));
+        return 2;
+    }
+    text[0] = (char)(0xE0 | unit >> 12);
+    text[1] = (char)(0x80 | (unit >> 6 & 0x3F));
+    text[2] = (char)(0x80 | (unit & 0x3F));
+    return 3;
+}
+
+/* null: it has characters that 16 bits do not hold, or half a one. */
+static json_t *unicode_of(const struct ccf_entry *entry)
+{
+    char *text = malloc((size_t)entry->size / 2 * 3 + 1);
+    size_t length = 0;
+    bool good = entry->size % 2 == 0;
+    json_t *string;
+
+    if (!text)
+        return NULL;
+    for (uint32_t i = 0; good && i < entry->size; i += 2) {
+        const unsigned unit = get_le16(entry->value + i);
+
+        good = unit < FIRST_HALF || unit > LAST_HALF;
+        length += put_utf8(text + length, unit);
+    }
+    string = good ? json_stringn(text, length) : json_null();
+    free(text);
+    return string;
+}
+
 static json_t *real_of(const struct ccf_entry *entry)
 {
     const double number = value_real(entry);
@@ -72,8 +114,8 @@ static json_t *value_of(const struct ccf_entry *entry, uint8_t type)
     case OD_TIME_OF_DAY:
     case OD_TIME_DIFFERENCE: return time_of(entry, type);
     case OD_OCTET_STRING:
-    case OD_UNICODE_STRING:
     case OD_DOMAIN: return json_null();
+    case OD_UNICODE_STRING: return unicode_of(entry);
     default: return integer_of(entry, type);
     }
 }

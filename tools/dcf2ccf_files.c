@@ -161,7 +161,7 @@ static bool put_name(FILE *stream, const char *name)
     return true;
 }
 
-static bool put_rule(const struct ccf_files *self, FILE *stream)
+static bool put_dependencies(const struct ccf_files *self, FILE *stream)
 {
     bool good = true;
 
@@ -177,6 +177,15 @@ static bool put_rule(const struct ccf_files *self, FILE *stream)
     return good;
 }
 
+/* One that is gone is no error to make, which then asks anew what the outputs depend on. */
+static void put_without_rules(const struct ccf_files *self, FILE *stream)
+{
+    for (size_t i = 1; i < self->read_count; i++) {
+        put_name(stream, self->read[i]);
+        fputs(":\n", stream);
+    }
+}
+
 bool ccf_files_write_rule(struct ccf_files *self, const char *name)
 {
     char *text = NULL;
@@ -186,7 +195,8 @@ bool ccf_files_write_rule(struct ccf_files *self, const char *name)
 
     if (!stream)
         return tell_error(name, CO_ERR_MEMORY);
-    good = put_rule(self, stream);
+    good = put_dependencies(self, stream);
+    put_without_rules(self, stream);
     if (fclose(stream) != 0) {
         free(text);
         return tell_error(name, CO_ERR_MEMORY);

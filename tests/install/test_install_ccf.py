@@ -92,6 +92,19 @@ class Example(AddCcf):
             self.assertEqual(self.made(), names, newer)
             os.utime(newer, (1e9, 1e9))
 
+    def test_another_download_file(self):
+        """the one before is not missed"""
+        self.configure()
+        self.build()
+        (self.source / "recipe.csv").rename(self.source / "other.csv")
+        dcf = self.source / "pump.dcf"
+        dcf.write_text(dcf.read_text(encoding="utf-8").replace("recipe.csv", "other.csv"),
+                       encoding="utf-8")
+        self.touch(dcf)
+        self.assertEqual(self.made(), ["pump.ccf"])
+        self.touch(self.source / "other.csv")
+        self.assertEqual(self.made(), ["pump.ccf"])
+
     def test_error(self):
         """ends the build with its place; the older file stays until the error is mended"""
         self.configure()

@@ -192,7 +192,8 @@ class Depfile(Dcf2ccf):
         text = dcf(5, standard(5)) + DOMAIN.format(index=0x2000, name="pro gram.bin")
         self.write("sub/a#$.dcf", text)
         self.convert("--depfile", "d", "sub/a#$.dcf", "-o", "sub/b.ccf")
-        self.assertEqual(self.rule(), "sub/b.ccf: \\\n  sub/a\\#$$.dcf \\\n  sub/pro\\ gram.bin\n")
+        self.assertEqual(self.rule(), "sub/b.ccf: \\\n  sub/a\\#$$.dcf \\\n  sub/pro\\ gram.bin\n"
+                                      "sub/pro\\ gram.bin:\n")
 
     def test_ninja(self):
         """ninja reads it: what is newer is made again, and nothing else"""
@@ -209,6 +210,10 @@ class Depfile(Dcf2ccf):
             os.utime(self.folder / name, (made + 1, made + 1))
             self.assertIn("--depfile", self.run_command(ninja, cwd=self.folder).out.text())
             os.utime(self.folder / name, (made - 1, made - 1))
+        (self.folder / "pro gram.bin").rename(self.folder / "other.bin")
+        self.write("a.dcf", dcf(5, standard(5)) + DOMAIN.format(index=0x2000, name="other.bin"))
+        self.assertIn("--depfile", self.run_command(ninja, cwd=self.folder).out.text())
+        self.assertIn("no work to do", self.run_command(ninja, cwd=self.folder).out.text())
 
     def test_network(self):
         """the XML file, and of each node what its DCF needs"""
@@ -218,7 +223,8 @@ class Depfile(Dcf2ccf):
         self.write("network.xml", network([node(5, DCF_File="a.dcf"), node(6, DCF_File="b.dcf")]))
         self.convert("--from-network", "network.xml", "--depfile", "d")
         self.assertEqual(self.rule(), "node-5.ccf node-6.ccf: \\\n  network.xml \\\n  a.dcf \\\n"
-                                      "  program.bin \\\n  b.dcf\n")
+                                      "  program.bin \\\n  b.dcf\na.dcf:\nprogram.bin:\n"
+                                      "b.dcf:\n")
 
     def test_names_without_a_way_to_write_them(self):
         """a control character: an error, and no output"""

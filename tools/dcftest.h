@@ -77,6 +77,7 @@ void files_done(struct files *self);
 
 struct finding {
     enum co_severity severity;
+    bool is_minor; /* a warning, or about warnings */
     unsigned line; /* 0: the whole file */
     unsigned order;
     const struct co_rule *rule; /* NULL: none */
@@ -157,6 +158,8 @@ extern const struct writer text_writer, json_writer, sarif_writer;
 
 /* Is it to be written, with these settings? */
 bool finding_is_shown(const struct settings *settings, const struct finding *finding);
+/* What is about the whole file stands at its first line: an editor wants to go somewhere. */
+unsigned shown_line(const struct finding *finding);
 int exit_code(const struct settings *settings, const struct totals *totals);
 
 /* The whole output for this one result, which is done then. */

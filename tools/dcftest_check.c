@@ -60,6 +60,7 @@ void result_take(struct result *self, const struct settings *settings,
         return;
     }
     *finding = (struct finding){ .severity = message->severity,
+                                 .is_minor = warning,
                                  .line = message->line,
                                  .order = (unsigned)self->count,
                                  .rule = message->rule,
@@ -155,16 +156,16 @@ static void find_objects(struct result *self, const char *text, size_t size)
     }
 }
 
-static void add_rest(struct result *self, enum co_severity severity, const char *format,
-                     unsigned number) __attribute__((format(printf, 3, 0)));
+static void add_rest(struct result *self, struct finding kind, const char *format, unsigned number)
+    __attribute__((format(printf, 3, 0)));
 
-static void add_rest(struct result *self, enum co_severity severity, const char *format,
-                     unsigned number)
+static void add_rest(struct result *self, struct finding kind, const char *format, unsigned number)
 {
     struct rest *rest = &self->rest[self->rest_count++];
 
     snprintf(rest->text, sizeof rest->text, format, number);
-    rest->finding = (struct finding){ .severity = severity, .index = -1, .sub = -1 };
+    rest->finding = kind;
+    rest->finding.index = rest->finding.sub = -1;
     rest->finding.text = rest->text;
 }
 
@@ -176,11 +177,14 @@ void result_finish(struct result *self, const struct settings *settings, const c
     if (text && (settings->json || settings->sarif))
         find_objects(self, text, size);
     if (self->no_memory && ++self->errors > 0)
-        add_rest(self, CO_ERROR, "out of memory: there are messages missing", 0);
+        add_rest(self, (struct finding){ .severity = CO_ERROR },
+                 "out of memory: the file is not checked, or not as a whole", 0);
     else if (self->errors > self->kept[0])
-        add_rest(self, CO_INFO, "errors that are not shown: %u", self->errors - self->kept[0]);
+        add_rest(self, (struct finding){ .severity = CO_INFO }, "errors that are not shown: %u",
+                 self->errors - self->kept[0]);
     if (self->warnings > self->kept[1])
-        add_rest(self, CO_INFO, "warnings that are not shown: %u", self->warnings - self->kept[1]);
+        add_rest(self, (struct finding){ .severity = CO_INFO, .is_minor = true },
+                 "warnings that are not shown: %u", self->warnings - self->kept[1]);
 }
 
 const struct finding *result_at(const struct result *self, size_t number)

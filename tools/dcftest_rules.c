@@ -32,11 +32,18 @@ const struct co_rule *rule_at(size_t number)
     return number < DCF_RULE_COUNT ? &dcf_rules[number] : &tool_rules[number - DCF_RULE_COUNT];
 }
 
+/* Where it is in an array; 'count' or more: elsewhere. */
+static size_t place_in(const struct co_rule *rules, const struct co_rule *rule)
+{
+    return ((uintptr_t)rule - (uintptr_t)rules) / sizeof *rule;
+}
+
 size_t rule_number(const struct co_rule *rule)
 {
-    for (size_t i = 0; rule && i < RULE_COUNT; i++)
-        if (rule_at(i) == rule)
-            return i;
+    if (place_in(dcf_rules, rule) < DCF_RULE_COUNT)
+        return place_in(dcf_rules, rule);
+    if (place_in(tool_rules, rule) < TOOL_RULE_COUNT)
+        return DCF_RULE_COUNT + place_in(tool_rules, rule);
     return RULE_COUNT;
 }
 

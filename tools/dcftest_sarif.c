@@ -110,9 +110,9 @@ static json_t *location_of(const struct result *result, const struct finding *fi
     json_t *physical = json_pack("{s:{s:o}}", "artifactLocation", "uri", uri_of(result->file));
     json_t *location;
 
-    if (finding->line > 0)
+    if (finding->rule != &tool_rules[RULE_UNREADABLE])
         physical = json_with(physical, "region",
-                             json_pack("{s:I}", "startLine", (json_int_t)finding->line));
+                             json_pack("{s:I}", "startLine", (json_int_t)shown_line(finding)));
     location = json_pack("{s:o}", "physicalLocation", physical);
     return finding->index < 0 ? location
                               : json_with(location, "logicalLocations", object_of(finding));

@@ -3,15 +3,19 @@
 
 bool finding_is_shown(const struct settings *settings, const struct finding *finding)
 {
-    return settings->quiet == 0 || (settings->quiet == 1 && finding->severity == CO_ERROR);
+    return settings->quiet == 0 || (settings->quiet == 1 && !finding->is_minor);
 }
 
-/* What is about the whole file stands at its first line: an editor wants to go somewhere. */
+unsigned shown_line(const struct finding *finding)
+{
+    return finding->line ? finding->line : 1;
+}
+
 static bool print(const struct result *result, const struct finding *finding)
 {
     const bool nowhere = finding->rule == &tool_rules[RULE_UNREADABLE];
     int printed = nowhere ? printf("%s:", result->file)
-                          : printf("%s:%u:", result->file, finding->line ? finding->line : 1);
+                          : printf("%s:%u:", result->file, shown_line(finding));
 
     if (printed >= 0)
         printed = printf(" %s: %s", co_severity_text(finding->severity), finding->text);

@@ -86,6 +86,11 @@ class Lines(DcftestTest):
         missing = int(re.fullmatch(r"a\.dcf:1: info: warnings that are not shown: (\d+)",
                                    lines[-1])[1])
         self.assertEqual(done.err, f"1 file, 0 errors, {10000 + missing} warnings\n")
+        self.assertEqual(self.check(CLEAN, "-q", "a.dcf"), [])
+        self.write("a.dcf", objects.replace("AccessType=rw\n", "AccessType=rw\nParameterValue=x\n"))
+        lines = self.check(ERRORS, "-q", "a.dcf")
+        self.assertEqual(len(lines), 10001)
+        self.assertEqual(lines[-1], "a.dcf:1: info: errors that are not shown: 20")
 
 
 class Files(DcftestTest):
@@ -333,8 +338,9 @@ class Forms(DcftestTest):
         physical = result["locations"][0]["physicalLocation"]
         self.assertEqual(unquote(physical["artifactLocation"]["uri"]), message["file"])
         self.assertRegex(physical["artifactLocation"]["uri"], r"^[A-Za-z0-9._~/%-]+$")
+        where = {"startLine": message["line"] or 1}
         self.assertEqual(physical.get("region"),
-                         {"startLine": message["line"]} if message["line"] else None)
+                         None if message["rule"] == "unreadable" else where)
 
     def test_sarif_rules(self):
         driver = self.as_json("--sarif")["runs"][0]["tool"]["driver"]

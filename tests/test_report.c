@@ -69,6 +69,43 @@ START_TEST(test_rules)
 }
 END_TEST
 
+/* So many of each severity, and one more that says so; all are counted. */
+START_TEST(test_limit)
+{
+    struct log log = { .count = 0 };
+    struct co_report report = { .file = "a", .sink = sink, .context = &log, .limit = 3 };
+
+    for (unsigned i = 1; i <= 9; i++)
+        co_report_add(&report, CO_WARNING, i, "warning");
+    ck_assert_str_eq(log.text, "a: warning: there are more than 3 warnings: the rest is left out");
+    ck_assert_uint_eq(log.count, 4);
+    for (unsigned i = 1; i <= 3; i++)
+        co_report_add(&report, CO_ERROR, i, "error");
+    ck_assert_str_eq(log.text, "a:3: error: error");
+    co_report_add(&report, CO_ERROR, 4, "error");
+    co_report_add(&report, CO_ERROR, 5, "error");
+    ck_assert_str_eq(log.text, "a: error: there are more than 3 errors: the rest is left out");
+    co_report_add(&report, CO_INFO, 6, "info");
+    ck_assert_str_eq(log.text, "a:6: info: info");
+    ck_assert_uint_eq(log.count, 9);
+    ck_assert_uint_eq(report.errors, 5);
+    ck_assert_uint_eq(report.warnings, 9);
+    ck_assert_str_eq(report.first_error, "a:1: error: error");
+}
+END_TEST
+
+START_TEST(test_limit_of_its_own_accord)
+{
+    struct log log = { .count = 0 };
+    struct co_report report = { .sink = sink, .context = &log };
+
+    for (unsigned i = 0; i < 2 * CO_REPORT_LIMIT; i++)
+        co_report_add(&report, CO_WARNING, i, "warning");
+    ck_assert_uint_eq(log.count, CO_REPORT_LIMIT + 1);
+    ck_assert_uint_eq(report.warnings, 2 * CO_REPORT_LIMIT);
+}
+END_TEST
+
 START_TEST(test_first_error_is_kept)
 {
     struct co_report report = { .file = "a" };
@@ -132,6 +169,8 @@ int main(void)
 
     tcase_add_test(tcase, test_places);
     tcase_add_test(tcase, test_rules);
+    tcase_add_test(tcase, test_limit);
+    tcase_add_test(tcase, test_limit_of_its_own_accord);
     tcase_add_test(tcase, test_first_error_is_kept);
     tcase_add_test(tcase, test_long_messages_are_cut);
     tcase_add_test(tcase, test_error_texts);

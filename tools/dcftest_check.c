@@ -9,6 +9,7 @@
 #include "dcf/dcf_slice.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -261,7 +262,7 @@ static enum co_err lint(const struct check *self, const struct dcf *dcf, struct 
 
 static void check_text(struct check *self, const char *text, size_t size)
 {
-    struct co_report report = { .sink = take_message, .context = self };
+    struct co_report report = { .sink = take_message, .context = self, .limit = UINT_MAX };
     struct dcf dcf;
     enum co_err err = dcf_parse(text, size, &report, &dcf);
 
@@ -280,7 +281,9 @@ static const char *read_error(const struct file *file, enum co_err err)
         return "no file in it ends in .eds or .dcf";
     if (file->error)
         return strerror(file->error);
-    return err == CO_ERR_VALUE || err == CO_ERR_MEMORY ? file_error_text(err) : strerror(errno);
+    return err == CO_ERR_VALUE || err == CO_ERR_MEMORY || err == CO_ERR_TIMEOUT
+               ? file_error_text(err)
+               : strerror(errno);
 }
 
 bool read_or_tell(const struct settings *settings, const struct file *file, struct result *result,

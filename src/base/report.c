@@ -25,11 +25,21 @@ static int format_place(const struct co_report *self, enum co_severity severity,
     return snprintf(text, size, "%s:%u: %s: ", self->file, line, kind);
 }
 
-static void tell(struct co_report *self, struct co_message message, const char *format,
-                 va_list args) __attribute__((format(printf, 3, 0)));
+/* Counts a message; its number among those of its severity. */
+static unsigned count(struct co_report *self, enum co_severity severity)
+{
+    switch (severity) {
+    case CO_ERROR: return ++self->errors;
+    case CO_WARNING: return ++self->warnings;
+    case CO_INFO: return 0;
+    }
+    return 0;
+}
 
-static void tell(struct co_report *self, struct co_message message, const char *format,
-                 va_list args)
+static void say(struct co_report *self, struct co_message message, const char *format, va_list args)
+    __attribute__((format(printf, 3, 0)));
+
+static void say(struct co_report *self, struct co_message message, const char *format, va_list args)
 {
     char text[CO_REPORT_TEXT_SIZE];
     int place = format_place(self, message.severity, message.line, text, sizeof text);
@@ -39,12 +49,38 @@ static void tell(struct co_report *self, struct co_message message, const char *
     vsnprintf(text + place, sizeof text - (size_t)place, format, args);
     message.text = text;
     message.body = text + place;
-    if (message.severity == CO_ERROR && self->errors++ == 0)
+    if (message.severity == CO_ERROR && self->errors == 1)
         snprintf(self->first_error, sizeof self->first_error, "%s", text);
-    if (message.severity == CO_WARNING)
-        self->warnings++;
     if (self->sink)
         self->sink(self->context, &message);
+}
+
+static void say_rest(struct co_report *self, enum co_severity severity, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+static void say_rest(struct co_report *self, enum co_severity severity, const char *format, ...)
+{
+    va_list args;
+
+    va_start(args, format);
+    say(self, (struct co_message){ .severity = severity }, format, args);
+    va_end(args);
+}
+
+static void tell(struct co_report *self, struct co_message message, const char *format,
+                 va_list args) __attribute__((format(printf, 3, 0)));
+
+static void tell(struct co_report *self, struct co_message message, const char *format,
+                 va_list args)
+{
+    const unsigned limit = self->limit ? self->limit : CO_REPORT_LIMIT;
+    const unsigned number = count(self, message.severity);
+
+    if (number <= limit)
+        say(self, message, format, args);
+    else if (number == limit + 1)
+        say_rest(self, message.severity, "there are more than %u %ss: the rest is left out", limit,
+                 co_severity_text(message.severity));
 }
 
 void co_report_add(struct co_report *self, enum co_severity severity, unsigned line,

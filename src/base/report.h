@@ -5,7 +5,8 @@
  *   out  one formatted line for each message, to the sink of whoever reads the file
  *
  * The parser that finds something says it here and goes on as far as it can; its return value only
- * tells that there were errors.
+ * tells that there were errors. A file that is wrong in each of its million lines gives some
+ * messages, and a last one that says that there are more.
  */
 #ifndef CO_BASE_REPORT_H
 #define CO_BASE_REPORT_H
@@ -13,6 +14,7 @@
 enum co_severity { CO_ERROR, CO_WARNING, CO_INFO };
 
 #define CO_REPORT_TEXT_SIZE 512u
+#define CO_REPORT_LIMIT     1000u /* more errors, or more warnings, of one file help nobody */
 
 /* What a file has to keep to, with a name by which users speak of it. */
 struct co_rule {
@@ -38,8 +40,9 @@ struct co_report {
     void (*sink)(void *context, const struct co_message *message);
     void *context;
 
-    unsigned errors;
+    unsigned errors; /* all, also those that the sink does not get */
     unsigned warnings;
+    unsigned limit; /* the sink gets so many of each of them; 0: CO_REPORT_LIMIT */
     int error_kind; /* what the caller gave with co_report_kind for the first error; 0: none */
     char first_error[CO_REPORT_TEXT_SIZE]; /* whole line of the first error */
 };

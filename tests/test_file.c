@@ -4,10 +4,13 @@
 #include "support/suite.h"
 
 #include <fcntl.h>
+#include <poll.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 static char folder[SUITE_PATH_SIZE];
@@ -102,6 +105,117 @@ START_TEST(a_file_that_is_too_large)
 }
 END_TEST
 
+/* --- what is no plain file --- */
+
+static int patience; /* what was asked for last; the time is over at once */
+static bool is_patient;
+
+int __wrap_poll(struct pollfd *files, nfds_t count, int ms);
+int __real_poll(struct pollfd *files, nfds_t count, int ms);
+
+int __wrap_poll(struct pollfd *files, nfds_t count, int ms)
+{
+    patience = ms;
+    return __real_poll(files, count, is_patient ? ms : 0);
+}
+
+START_TEST(a_pipe_that_nobody_writes)
+{
+    char *text = NULL;
+    size_t size;
+
+    ck_assert_int_eq(mkfifo("pipe", 0600), 0);
+    ck_assert_int_eq(file_read("pipe", &text, &size), CO_ERR_TIMEOUT);
+    ck_assert_int_eq(patience, FILE_WRITER_MS);
+    ck_assert_ptr_null(text);
+}
+END_TEST
+
+START_TEST(a_pipe_with_a_silent_writer)
+{
+    char *text = NULL;
+    size_t size;
+    int writer;
+
+    ck_assert_int_eq(mkfifo("pipe", 0600), 0);
+    writer = open("pipe", O_RDWR);
+    ck_assert_int_eq(write(writer, "half", 4), 4);
+    ck_assert_int_eq(file_read("pipe", &text, &size), CO_ERR_TIMEOUT);
+    ck_assert_int_eq(patience, FILE_SILENCE_MS);
+    ck_assert_ptr_null(text);
+    close(writer);
+}
+END_TEST
+
+/* The child opens it when the parent waits, or before, and writes in two steps. */
+START_TEST(a_pipe_is_read_to_its_end)
+{
+    char *text = NULL;
+    size_t size = 0;
+    pid_t child;
+
+    is_patient = true;
+    ck_assert_int_eq(mkfifo("pipe", 0600), 0);
+    child = fork();
+    if (child == 0) {
+        int writer = open("pipe", O_WRONLY);
+        bool good = write(writer, "one", 3) == 3 && write(writer, "two", 3) == 3;
+
+        _exit(good ? 0 : 1);
+    }
+    ck_assert_int_eq(file_read("pipe", &text, &size), CO_OK);
+    ck_assert_uint_eq(size, 6);
+    ck_assert_str_eq(text, "onetwo");
+    free(text);
+    ck_assert_int_eq(waitpid(child, NULL, 0), child);
+}
+END_TEST
+
+/* As shells name it: <(...). Whoever wrote has gone already. */
+START_TEST(a_pipe_whose_writer_has_gone)
+{
+    char *text = NULL, name[32];
+    size_t size = 0;
+    int ends[2];
+
+    ck_assert_int_eq(pipe(ends), 0);
+    ck_assert_int_eq(write(ends[1], "text", 4), 4);
+    close(ends[1]);
+    snprintf(name, sizeof name, "/dev/fd/%d", ends[0]);
+    ck_assert_int_eq(file_read(name, &text, &size), CO_OK);
+    ck_assert_str_eq(text, "text");
+    free(text);
+    close(ends[0]);
+}
+END_TEST
+
+START_TEST(devices)
+{
+    char *text = NULL;
+    size_t size = 7;
+
+    ck_assert_int_eq(file_read("/dev/zero", &text, &size), CO_ERR_VALUE);
+    ck_assert_ptr_null(text);
+    ck_assert_int_eq(file_read("/dev/null", &text, &size), CO_OK);
+    ck_assert_uint_eq(size, 0);
+    ck_assert_str_eq(text, "");
+    free(text);
+}
+END_TEST
+
+/* Its size is told as 0. */
+START_TEST(a_file_of_the_kernel)
+{
+    char *text = NULL;
+    size_t size = 0;
+
+    ck_assert_int_eq(file_read("/proc/self/status", &text, &size), CO_OK);
+    ck_assert_uint_gt(size, 100);
+    ck_assert_uint_eq(strlen(text), size);
+    free(text);
+}
+END_TEST
+
 /* --- finding --- */
 
 static const struct find {
@@ -164,6 +278,12 @@ int main(void)
     tcase_add_test(tests, what_cannot_be_read);
     tcase_add_test(tests, a_file_without_the_right_to_read_it);
     tcase_add_test(tests, a_file_that_is_too_large);
+    tcase_add_test(tests, a_pipe_that_nobody_writes);
+    tcase_add_test(tests, a_pipe_with_a_silent_writer);
+    tcase_add_test(tests, a_pipe_is_read_to_its_end);
+    tcase_add_test(tests, a_pipe_whose_writer_has_gone);
+    tcase_add_test(tests, devices);
+    tcase_add_test(tests, a_file_of_the_kernel);
     tcase_add_loop_test(tests, a_file_is_found_where_it_is_looked_for_first, 0,
                         (int)(sizeof finds / sizeof *finds));
     return suite_run("file", tests);

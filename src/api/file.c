@@ -1,8 +1,12 @@
 #include "api/file.h"
 
 #include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static enum co_err error_of_errno(void)
@@ -16,56 +20,127 @@ static enum co_err error_of_errno(void)
     }
 }
 
-/* Until the end: what cannot tell its size, a pipe, is read as well. */
-static enum co_err read_stream(FILE *stream, char **text, size_t *size)
+struct reading {
+    int file;
+    struct stat status;
+    char *text;
+    size_t size, room;
+};
+
+/* Room for one byte more than there is, at least. */
+static enum co_err make_room(struct reading *self)
 {
-    size_t room = 0;
+    const bool tells_size = S_ISREG(self->status.st_mode) && self->status.st_size > 0;
+    size_t room = self->room ? 2 * self->room : 65536;
+    char *grown;
 
-    *size = 0;
-    do {
-        if (*size + 1 >= room) {
-            char *grown = realloc(*text, room = room ? 2 * room : 65536);
+    if (self->size + 1 < self->room)
+        return CO_OK;
+    if (self->room == 0 && tells_size)
+        room = (size_t)self->status.st_size + 2; /* and the end is seen with the next reading */
+    grown = realloc(self->text, room);
+    if (!grown)
+        return CO_ERR_MEMORY;
+    self->text = grown;
+    self->room = room;
+    return CO_OK;
+}
 
-            if (!grown)
-                return CO_ERR_MEMORY;
-            *text = grown;
-        }
-        *size += fread(*text + *size, 1, room - *size - 1, stream);
-        if (ferror(stream))
-            return error_of_errno();
-        if (*size > FILE_SIZE_MAX)
-            return CO_ERR_VALUE;
-    } while (!feof(stream));
-    (*text)[*size] = '\0';
+static enum co_err await_more(const struct reading *self, int ms)
+{
+    struct pollfd poller = { .fd = self->file, .events = POLLIN };
+    int ready;
+
+    do
+        ready = poll(&poller, 1, ms);
+    while (ready < 0 && errno == EINTR);
+    if (ready < 0)
+        return error_of_errno();
+    return ready == 0 ? CO_ERR_TIMEOUT : CO_OK;
+}
+
+/* A pipe that nobody has opened for writing yet looks as if it had ended. */
+static bool is_end(const struct reading *self, bool waited)
+{
+    return waited || !S_ISFIFO(self->status.st_mode) || self->size > 0;
+}
+
+/* CO_ERR_AGAIN: there is more. */
+static enum co_err read_some(struct reading *self, bool *waited)
+{
+    enum co_err err = make_room(self);
+    ssize_t got;
+
+    if (err != CO_OK)
+        return err;
+    got = read(self->file, self->text + self->size, self->room - self->size - 1);
+    if (got < 0 && errno != EAGAIN && errno != EINTR)
+        return error_of_errno();
+    if (got == 0 && is_end(self, *waited))
+        return CO_OK;
+    *waited = got <= 0;
+    if (got <= 0)
+        err = await_more(self, got == 0 ? FILE_WRITER_MS : FILE_SILENCE_MS);
+    else
+        self->size += (size_t)got;
+    if (self->size > FILE_SIZE_MAX)
+        return CO_ERR_VALUE;
+    return err == CO_OK ? CO_ERR_AGAIN : err;
+}
+
+/* Until the end: what cannot tell its size, a pipe, is read as well. */
+static enum co_err read_whole(struct reading *self)
+{
+    bool waited = false;
+    enum co_err err;
+
+    if (fstat(self->file, &self->status) != 0)
+        return error_of_errno();
+    if (S_ISDIR(self->status.st_mode))
+        return CO_ERR_ARG;
+    if (S_ISREG(self->status.st_mode) && self->status.st_size > (off_t)FILE_SIZE_MAX)
+        return CO_ERR_VALUE;
+    do
+        err = read_some(self, &waited);
+    while (err == CO_ERR_AGAIN);
+    return err;
+}
+
+static enum co_err read_open(int file, char **ret_text, size_t *ret_size)
+{
+    struct reading reading = { .file = file };
+    enum co_err err = read_whole(&reading);
+    char *fitting;
+
+    if (err != CO_OK) {
+        free(reading.text);
+        return err;
+    }
+    reading.text[reading.size] = '\0';
+    fitting = realloc(reading.text, reading.size + 1);
+    *ret_text = fitting ? fitting : reading.text;
+    *ret_size = reading.size;
     return CO_OK;
 }
 
 enum co_err file_read_stream(FILE *stream, char **ret_text, size_t *ret_size)
 {
-    char *text = NULL;
-    size_t size;
-    enum co_err err = read_stream(stream, &text, &size);
-    char *fitting;
-
-    if (err != CO_OK) {
-        free(text);
-        return err;
-    }
-    fitting = realloc(text, size + 1);
-    *ret_text = fitting ? fitting : text;
-    *ret_size = size;
-    return CO_OK;
+    return read_open(fileno(stream), ret_text, ret_size);
 }
 
 enum co_err file_read(const char *path, char **ret_text, size_t *ret_size)
 {
-    FILE *stream = fopen(path, "re");
+    /* A pipe without a writer would keep an open() that waits for one. */
+    const int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
     enum co_err err;
+    int error;
 
-    if (!stream)
+    if (file < 0)
         return error_of_errno();
-    err = file_read_stream(stream, ret_text, ret_size);
-    fclose(stream);
+    err = read_open(file, ret_text, ret_size);
+    error = errno;
+    close(file);
+    errno = error;
     return err;
 }
 
@@ -77,6 +152,10 @@ const char *file_error_text(enum co_err err)
         return "a folder, expected a file";
     if (err == CO_ERR_VALUE)
         return "larger than 64 MiB";
+    if (err == CO_ERR_TIMEOUT)
+        return "nothing comes out of this pipe or device";
+    if (err == CO_ERR_IO && errno != 0)
+        return strerror(errno);
     return co_err_text(err);
 }
 

@@ -10,17 +10,19 @@
 #include <stddef.h>
 #include <stdio.h>
 
-#define FILE_SIZE_MAX (64u * 1024u * 1024u) /* more is no configuration file */
+#define FILE_SIZE_MAX   (64u << 20) /* more is no configuration file; file_error_text() has it */
+#define FILE_WRITER_MS  3000        /* how long a pipe may be without anybody who writes */
+#define FILE_SILENCE_MS 60000       /* and with one who does not */
 
 /*
  * The whole contents, with a NUL behind them that does not count; to be freed.
  * CO_ERR_NOT_FOUND, CO_ERR_PERMISSION, CO_ERR_ARG: a folder, CO_ERR_VALUE: too large,
- * CO_ERR_IO, CO_ERR_MEMORY.
+ * CO_ERR_TIMEOUT: a pipe or a device gives nothing, CO_ERR_IO with errno, CO_ERR_MEMORY.
  */
 enum co_err file_read(const char *path, char **ret_text, size_t *ret_size);
-/* The same of what is left of a stream, which stays open: standard input. */
+/* The same of a stream that nobody has read from, which stays open: standard input. */
 enum co_err file_read_stream(FILE *stream, char **ret_text, size_t *ret_size);
-/* What an error of file_read() means to the user. */
+/* What an error of file_read() means to the user; CO_ERR_IO by errno. */
 const char *file_error_text(enum co_err err);
 
 /*

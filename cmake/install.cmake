@@ -19,7 +19,7 @@ install(TARGETS mcanopen EXPORT mcanopenTargets
 install(FILES ${PROJECT_BINARY_DIR}/libmcanopen.a DESTINATION ${CMAKE_INSTALL_LIBDIR})
 
 install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${doc_dir})
-install(FILES docs/network-xml.md docs/real-hardware.md docs/threading.md DESTINATION ${doc_dir}/docs)
+install(FILES docs/limits.md docs/network-xml.md docs/real-hardware.md docs/threading.md DESTINATION ${doc_dir}/docs)
 install(FILES docs/network.xsd DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/mcanopen)
 foreach(section 1 5)
     file(GLOB pages CONFIGURE_DEPENDS docs/man/*.${section})

@@ -230,11 +230,61 @@ END_TEST
 START_TEST(test_too_many_messages)
 {
     static const char last[] = "\n error: too many messages, the rest is left out\n";
-    struct config_result *result = parse_repeated(head, "<a/>\n", 1000000, tail);
+    struct config_result *result = parse_repeated(head, "<a/>\n", 1000, tail);
 
     ck_assert_uint_eq(result->report.errors, NETWORK_MESSAGES + 1);
     ck_assert_int_eq(result->err, CO_ERR_VALUE);
     ck_assert_str_eq(result->messages + strlen(result->messages) - (sizeof last - 1), last);
+}
+END_TEST
+
+/* What would be a tree of hundreds of MiB, or take libxml2 minutes, is not begun. */
+static const struct excess {
+    const char *begin, *unit, *end, *message;
+    size_t count; /* of units: as many as there may be */
+} excesses[] = {
+    { "<a>", "<b/>", "</a>", "the root element is a", NETWORK_PARTS - 1 },
+    { "<a>", "<b>c</b>", "</a>", "the root element is a", NETWORK_PARTS - 1 },
+    { "<a>\n", "<!---->", "</a>", "the root element is a", NETWORK_PARTS - 1 },
+    { "<a>\n", "<?b?>", "</a>", "the root element is a", NETWORK_PARTS - 1 },
+    { "<a>\n", "<![CDATA[]]>", "</a>", "the root element is a", NETWORK_PARTS - 1 },
+    { "<a ", "b='' ", "/>", "XML: ", 1000 },
+    { "<a>\n<b ", "c='>'\n", "/></a>", "XML: ", 1000 },
+    { "<a><!-- <b \" --><b ", "c='' ", "/></a>", "XML: ", 1000 },
+    { "<a ", "xmlns:b='' ", "/>", "XML: ", 1000 },
+};
+
+START_TEST(test_excess)
+{
+    static const char expected[] = ": error: more than 200000 elements, or 1000 attributes in one: "
+                                   "this is no configuration\n";
+    const struct excess *it = &excesses[_i];
+    struct config_result *result = parse_repeated(it->begin, it->unit, it->count, it->end);
+
+    ck_assert_ptr_nonnull(strstr(result->messages, it->message));
+    result = parse_repeated(it->begin, it->unit, it->count + 1, it->end);
+    ck_assert_msg(strstr(result->messages, expected) != NULL, "%s", result->messages);
+    ck_assert_int_eq(result->err, CO_ERR_FORMAT);
+    ck_assert_uint_eq(result->report.errors, 1);
+}
+END_TEST
+
+/* Rulers in comments and in values are none. */
+START_TEST(test_no_excess)
+{
+    char *begin = repeat(head, "<!-- ", 1, "");
+    struct config_result *result = parse_repeated(
+        begin, "=", 300000, " -->" ONE "</Manager_Instance></CANopen_Manager>");
+
+    ck_assert_str_eq(result->messages, "");
+    network_config_free(result->networks, result->count);
+    free(begin);
+    begin = repeat(head, "<Name>", 1, "");
+    result = parse_repeated(begin, "=", 4095,
+                            "</Name>" ONE "</Manager_Instance></CANopen_Manager>");
+    ck_assert_str_eq(result->messages, "");
+    network_config_free(result->networks, result->count);
+    free(begin);
 }
 END_TEST
 
@@ -383,6 +433,8 @@ int main(void)
     tcase_add_test(all, test_long_text);
     tcase_add_test(all, test_long_name);
     tcase_add_test(all, test_too_many_messages);
+    tcase_add_loop_test(all, test_excess, 0, (int)(sizeof excesses / sizeof *excesses));
+    tcase_add_test(all, test_no_excess);
     tcase_add_test(all, test_too_many_warnings);
     tcase_add_test(all, test_too_many_nodes);
     tcase_add_test(all, test_too_many_networks);

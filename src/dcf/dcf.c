@@ -73,8 +73,17 @@ uint32_t dcf_value(const struct dcf_value *value, uint8_t node_id, uint8_t *byte
     return value->size;
 }
 
+/* What is a text with brackets all the same would give an empty description. */
+static void check_sections(struct dcf_builder *self)
+{
+    if (self->text.sections[0].kind == DCF_SECTION_UNKNOWN) /* they are the last ones */
+        dcf_tell(self->report, DCF_RULE_NO_TEXT, 0,
+                 "EDS or DCF text expected, none of its sections is one of CiA 306");
+}
+
 static void build(struct dcf_builder *self)
 {
+    check_sections(self);
     dcf_build_info(self);
     dcf_build_commissioning(self);
     dcf_build_objects(self);

@@ -63,11 +63,20 @@ static void *trim(void *items, size_t count, size_t size)
     return trimmed ? trimmed : items;
 }
 
+static enum co_err too_much(const struct lexer *self, unsigned most, const char *what)
+{
+    dcf_tell(self->report, DCF_RULE_FILE_LIMIT, self->line,
+             "at most %u %s expected, there are more", most, what);
+    return CO_ERR_FORMAT;
+}
+
 static enum co_err add_section(struct lexer *self, struct dcf_slice name)
 {
     struct dcf_text *text = &self->text;
     void *items = text->sections;
 
+    if (text->section_count == DCF_SECTIONS_MAX)
+        return too_much(self, DCF_SECTIONS_MAX, "sections");
     if (text->section_count == text->section_room) {
         if (grow(self, &items, &text->section_room, sizeof *text->sections) != CO_OK)
             return CO_ERR_MEMORY;
@@ -83,6 +92,8 @@ static enum co_err add_key(struct lexer *self, struct dcf_slice name, struct dcf
     struct dcf_text *text = &self->text;
     void *items = text->keys;
 
+    if (text->key_count == DCF_KEYS_MAX)
+        return too_much(self, DCF_KEYS_MAX, "keywords");
     if (text->key_count == text->key_room) {
         if (grow(self, &items, &text->key_room, sizeof *text->keys) != CO_OK)
             return CO_ERR_MEMORY;
@@ -261,6 +272,11 @@ enum co_err dcf_lex(const char *text, size_t size, struct co_report *report,
 
     if (size >= 2 && (memcmp(text, "\xFF\xFE", 2) == 0 || memcmp(text, "\xFE\xFF", 2) == 0))
         return no_text(report, "this is UTF-16: store it as plain text");
+    if (size > DCF_TEXT_MAX) {
+        dcf_tell(report, DCF_RULE_FILE_LIMIT, 0, "at most %u bytes expected, there are %zu",
+                 DCF_TEXT_MAX, size);
+        return CO_ERR_FORMAT;
+    }
     err = read_lines(&lexer);
     if (err != CO_OK) {
         dcf_text_done(&lexer.text);

@@ -19,6 +19,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* What no description of a device has, and would take much memory. */
+#define DCF_TEXT_MAX     (16u << 20) /* bytes */
+#define DCF_SECTIONS_MAX (1u << 19)
+#define DCF_KEYS_MAX     (1u << 21)
+
 enum dcf_section_kind {
     DCF_SECTION_FILE_INFO,
     DCF_SECTION_DEVICE_INFO,
@@ -78,7 +83,7 @@ struct dcf_text {
     size_t key_count, key_room;
 };
 
-/* CO_ERR_FORMAT: this is no text of sections; CO_ERR_MEMORY */
+/* CO_ERR_FORMAT: this is no text of sections, or there is too much of it; CO_ERR_MEMORY */
 enum co_err dcf_lex(const char *text, size_t size, struct co_report *report,
                     struct dcf_text *ret_text);
 void dcf_text_done(struct dcf_text *self);

@@ -28,8 +28,9 @@ struct dcf_entry *dcf_build_entry(struct dcf_builder *self, uint16_t index, uint
     size_t room = dcf->room ? dcf->room + dcf->room / 4 : self->text.section_count + 64;
 
     if (dcf->count == DCF_ENTRIES_MAX) {
-        dcf_tell(self->report, DCF_RULE_ENTRY_LIMIT, 0,
-                 "at most %u entries expected, there are more", DCF_ENTRIES_MAX);
+        if (!self->no_memory)
+            dcf_tell(self->report, DCF_RULE_ENTRY_LIMIT, 0,
+                     "at most %u entries expected, there are more", DCF_ENTRIES_MAX);
         self->no_memory = true;
         return NULL;
     }

@@ -28,6 +28,7 @@
 #define NETWORK_REFUSALS     4u
 #define NETWORK_REFUSAL_SIZE CO_REPORT_TEXT_SIZE
 #define NETWORK_FILE_SIZE    (8u << 20) /* most bytes of a file */
+#define NETWORK_PARTS        200000u    /* most elements, attributes and comments of a file */
 
 enum action_on_error { ACTION_RESET_SLAVE, ACTION_RESET_ALL, ACTION_STOP_ALL };
 

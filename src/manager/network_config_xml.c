@@ -12,6 +12,9 @@
 /* One mistake makes libxml2 stumble several times; only the first ones help. */
 #define XML_MESSAGES 10u
 
+/* libxml2 compares each attribute of a tag with all others of it. */
+#define TAG_PARTS 1000u
+
 struct reading { /* what the callbacks know, behind the parser context's _private */
     struct faults *faults;
     unsigned messages;
@@ -74,10 +77,54 @@ static unsigned line_at(const char *text, const char *end)
     return line;
 }
 
+struct scan { /* of a text that nobody has parsed yet */
+    unsigned parts, parts_of_tag;
+    bool in_tag;
+    char quote; /* that ends the value; 0: in no value */
+};
+
+static void scan_tag(struct scan *self, char c)
+{
+    if (self->quote != '\0') {
+        self->quote = c == self->quote ? '\0' : self->quote;
+    } else if (c == '"' || c == '\'') {
+        self->quote = c;
+    } else if (c == '=') {
+        self->parts++;
+        self->parts_of_tag++;
+    } else if (c == '>') {
+        self->in_tag = false;
+    }
+}
+
+/*
+ * Where there is too much of what becomes nodes of libxml2's tree, each of 100 bytes and more: "<"
+ * may begin an element or a comment, "=" an attribute. NULL: nowhere. In comments there may be
+ * anything, so this is a guess, but "<" always begins anew.
+ */
+static const char *find_excess(const char *text, size_t size)
+{
+    struct scan scan = { .parts = 0 };
+
+    for (const char *at = text; at < text + size; at++) {
+        const char next = at + 1 < text + size ? at[1] : '\0';
+
+        if (*at == '<')
+            scan = (struct scan){ .parts = scan.parts + (next != '/'),
+                                  .in_tag = next != '!' && next != '?' };
+        else if (scan.in_tag)
+            scan_tag(&scan, *at);
+        if (scan.parts > NETWORK_PARTS || scan.parts_of_tag > TAG_PARTS)
+            return at;
+    }
+    return NULL;
+}
+
 /* What libxml2 would take for the end of the text, or cannot take at all. */
 static bool is_readable(const char *text, size_t size, struct faults *faults)
 {
     const char *nul = size > 0 ? memchr(text, '\0', size) : NULL;
+    const char *excess = size <= NETWORK_FILE_SIZE ? find_excess(text, size) : NULL;
 
     if (size == 0)
         faults_error(faults, CO_ERR_FORMAT, 0, "the file is empty");
@@ -87,6 +134,10 @@ static bool is_readable(const char *text, size_t size, struct faults *faults)
     else if (nul)
         faults_error(faults, CO_ERR_FORMAT, line_at(text, nul),
                      "there is a NUL byte: this is no text in UTF-8");
+    else if (excess)
+        faults_error(faults, CO_ERR_FORMAT, line_at(text, excess),
+                     "more than %u elements, or %u attributes in one: this is no configuration",
+                     NETWORK_PARTS, TAG_PARTS);
     else
         return true;
     return false;

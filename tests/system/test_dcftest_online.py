@@ -172,6 +172,33 @@ class Online(DcftestTest):
         self.start_sim("--node", 5, CONFORM_EDS)
         self.assertEqual(self.compare(CLEAN, "-n5", "--all", CONFORM_EDS)[0], [])
 
+    def test_one_object_without_answer(self):
+        """It is asked for twice; then another object tells that the device is there."""
+        gate = plant.Gate(self, "585#4F002000")
+        self.start_device(bus=gate.inner)
+        text = self.file_with()
+        dump = self.dump()
+        process = self.start([plant.TOOLS / "dcftest", "--online", "-i", self.bus.name,
+                              "--timeout=1000", "a.dcf"], cwd=self.folder)
+        gate.wait()
+        dump.wait_for("605#4000100000000000", times=2)
+        gate.let_pass()
+        self.assertEqual(process.wait(), ERRORS, process.story())
+        self.assertEqual(process.out.text(),
+                         f"a.dcf:{self.line_of(text, '[2000]')}: warning: 2000h:00: the device "
+                         "gives no answer within 1000 ms, to others it does [online-object]")
+        self.assertEqual(dump.frames().count("605#4000200000000000"), 2)
+
+    def test_device_that_goes_away(self):
+        """What was found until then is told."""
+        gate = plant.Gate(self, "585#4F002000")
+        self.start_device(bus=gate.inner)
+        self.write("a.dcf", dcf(5, [*standard(5, heartbeat=7), *self.OBJECTS]))
+        lines, text = self.compare(NO_BUS, "--timeout=100", "a.dcf")
+        self.assertEqual(len(lines), 1)
+        self.assertIn("1017h:00: DCF 7, device 0", lines[0])
+        self.assertIn("node 5 does not answer to 2000h:00 within 100 ms", text)
+
     def test_somebody_else(self):
         """Another client of the same SDO server may get our answers, and we his."""
         self.file_with()

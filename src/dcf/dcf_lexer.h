@@ -3,7 +3,7 @@
  *
  *   in   the bytes of the file
  *   out  sections, known by their names, sorted; keys of each section as in the file or, where they
- *        are many, the shorter names first, and those of one length by the alphabet
+ *        are many, sorted: numbers last, the shorter names first, then by the alphabet
  *
  * Sections and keys that come twice are merged, the last one wins. Names are compared without
  * regard to case. Slices point into the file's text, which has to stay.

@@ -62,20 +62,21 @@ static struct dcf_slice cut_suffix(struct dcf_slice text, struct dcf_number *num
 
 static bool parse_integer(struct dcf_slice text, struct dcf_number *number)
 {
-    uint64_t base, most;
+    uint64_t magnitude = 0, base, most;
 
     text = cut_suffix(parse_prefix(text, number), number);
     base = number->hex ? 16 : 10;
     most = UINT64_MAX / base;
     for (size_t i = 0; i < text.size; i++) {
-        int digit = dcf_hex_digit(text.text[i]);
+        unsigned digit = (unsigned)dcf_hex_digit(text.text[i]);
 
-        if (digit < 0 || (unsigned)digit >= base)
+        if (digit >= base)
             return false;
-        if (number->magnitude >= most && number->magnitude > (UINT64_MAX - (unsigned)digit) / base)
+        if (magnitude >= most && magnitude > (UINT64_MAX - digit) / base)
             number->too_large = true;
-        number->magnitude = number->magnitude * base + (unsigned)digit;
+        magnitude = magnitude * base + digit;
     }
+    number->magnitude = magnitude;
     return text.size > 0;
 }
 

@@ -23,6 +23,19 @@ static uint64_t order_of(const struct dcf_section *section)
            (uint64_t)section->kind << 8 | section->sub;
 }
 
+/* Much is in its order as it comes. */
+static void sort(void *items, size_t count, size_t size, int (*compare)(const void *, const void *))
+{
+    const char *item = items;
+
+    for (size_t i = 1; i < count; i++, item += size) {
+        if (compare(item, item + size) > 0) {
+            qsort(items, count, size, compare);
+            return;
+        }
+    }
+}
+
 static int compare_sections(const void *left, const void *right)
 {
     const struct dcf_section *a = left, *b = right;
@@ -83,9 +96,22 @@ static enum co_err join_twins(struct dcf_text *self, struct co_report *report)
     return CO_OK;
 }
 
-/* The length first: most names differ in it. */
+static bool are_same(struct dcf_slice a, struct dcf_slice b)
+{
+    return a.size == b.size &&
+           (memcmp(a.text, b.text, a.size) == 0 || dcf_slice_compare(a, b) == 0);
+}
+
+static bool is_number(struct dcf_slice name)
+{
+    return name.text[0] >= '0' && name.text[0] <= '9';
+}
+
+/* Numbers last and the shorter ones first, so that lists are in their order as they come. */
 static int compare_names(struct dcf_slice a, struct dcf_slice b)
 {
+    if (is_number(a) != is_number(b))
+        return is_number(a) ? 1 : -1;
     if (a.size != b.size)
         return a.size < b.size ? -1 : 1;
     return dcf_slice_compare(a, b);
@@ -108,7 +134,7 @@ static bool has_few_keys(const struct dcf_section *section)
 static struct dcf_key *scan(struct dcf_key *keys, size_t count, struct dcf_slice name, uint32_t tag)
 {
     for (size_t i = 0; i < count; i++) {
-        if (keys[i].tag == tag && compare_names(keys[i].name, name) == 0)
+        if (keys[i].tag == tag && are_same(keys[i].name, name))
             return &keys[i];
     }
     return NULL;
@@ -167,7 +193,7 @@ static void merge_keys(struct dcf_section *section, struct co_report *report)
 static void know_keys(struct dcf_section *section, struct co_report *report)
 {
     if (!has_few_keys(section))
-        qsort(section->keys, section->count, sizeof *section->keys, compare_keys);
+        sort(section->keys, section->count, sizeof *section->keys, compare_keys);
     merge_keys(section, report);
 }
 
@@ -184,7 +210,7 @@ enum co_err dcf_text_sort(struct dcf_text *self, struct co_report *report)
         if (section->count > 0)
             keys += section->count;
     }
-    qsort(self->sections, self->section_count, sizeof *self->sections, compare_sections);
+    sort(self->sections, self->section_count, sizeof *self->sections, compare_sections);
     if (has_twins(self) && join_twins(self, report) != CO_OK)
         return CO_ERR_MEMORY;
     for (size_t i = 0; i < self->section_count; i++)

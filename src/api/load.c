@@ -15,6 +15,7 @@ struct loader {
     const struct network_config *config;
     struct node_config *node;
     struct co_report *xml_report;
+    struct dcf *dcf;    /* NULL: only what the manager needs of it is kept */
     const char *folder; /* of the DCF, for DownloadFile */
     size_t folder_size;
 };
@@ -32,6 +33,10 @@ static void add_up(struct co_report *self, const struct co_report *other)
     self->errors += other->errors;
     self->warnings += other->warnings;
 }
+
+const struct co_rule load_file_warnings = { "file-warnings", CO_WARNING, 0, "CiA 306-1",
+                                            "A DCF or EDS file is one about which dcftest has "
+                                            "nothing to tell." };
 
 static void pass_on_errors(void *context, const struct co_message *message)
 {
@@ -55,10 +60,10 @@ static int parse_dcf(const char *path, const char *text, size_t size, struct co_
     own.sink = report->sink;
     own.context = report->context;
     if (warnings > 0)
-        co_report_add(&own, CO_WARNING, 0,
-                      "%u warning%s about this file, which is used as far as it is understood: "
-                      "\"dcftest %s\" shows them",
-                      warnings, warnings == 1 ? "" : "s", path);
+        co_report_rule(&own, &load_file_warnings, 0,
+                       "%u warning%s about this file, which is used as far as it is understood: "
+                       "\"dcftest %s\" shows them",
+                       warnings, warnings == 1 ? "" : "s", path);
     add_up(report, &own);
     if (err == CO_OK)
         return MCANOPEN_OK;
@@ -151,7 +156,10 @@ static int load_node_dcf(struct loader *self, const char *path, const char *text
     if (result != MCANOPEN_OK)
         return result;
     result = make_ccf(self, &dcf, path);
-    dcf_done(&dcf);
+    if (self->dcf)
+        *self->dcf = dcf;
+    else
+        dcf_done(&dcf);
     return result;
 }
 
@@ -274,10 +282,14 @@ static int load_configuration(struct loader *self)
     return result;
 }
 
-static int load_node(struct loader *self)
+int load_node(const char *xml_path, const struct network_config *config, struct node_config *node,
+              struct co_report *report, struct dcf *ret_dcf)
 {
-    int configuration = load_configuration(self);
-    int software = load_software(self);
+    struct loader loader = {
+        .xml_path = xml_path, .config = config, .node = node, .xml_report = report, .dcf = ret_dcf
+    };
+    int configuration = load_configuration(&loader);
+    int software = load_software(&loader);
 
     return configuration != MCANOPEN_OK ? configuration : software;
 }
@@ -288,10 +300,7 @@ static int load_nodes(const char *path, struct network_config *config, struct co
     int result = MCANOPEN_OK;
 
     for (size_t i = 0; i < config->node_count; i++) {
-        struct loader loader = {
-            .xml_path = path, .config = config, .node = &config->nodes[i], .xml_report = report
-        };
-        int one = load_node(&loader);
+        int one = load_node(path, config, &config->nodes[i], report, NULL);
 
         if (result == MCANOPEN_OK)
             result = one;
@@ -299,13 +308,14 @@ static int load_nodes(const char *path, struct network_config *config, struct co
     return result;
 }
 
-static int parse_xml(const char *path, struct co_report *report,
-                     struct network_config **ret_networks, size_t *ret_count)
+int load_xml(const char *path, struct co_report *report, struct network_config **ret_networks,
+             size_t *ret_count)
 {
     char *text = NULL;
     size_t size;
     enum co_err err = file_read(path, &text, &size);
 
+    report->file = path;
     if (err != CO_OK) {
         co_report_add(report, CO_ERROR, 0, "%s", file_error_text(err));
         return error_of_xml(err == CO_ERR_MEMORY ? err : CO_ERR_IO);
@@ -324,8 +334,7 @@ int load_networks(const char *path, struct co_report *report, struct network_con
     size_t count = 0;
     int result;
 
-    report->file = path;
-    result = parse_xml(path, report, &networks, &count);
+    result = load_xml(path, report, &networks, &count);
     if (result != MCANOPEN_OK)
         return result;
     for (size_t i = 0; i < count; i++) {

@@ -1,5 +1,5 @@
 /*
- * mcanopen: boot a CANopen network, simulate its devices, watch its bus, test a device.
+ * mcanopen: check and boot a CANopen network, simulate its devices, watch its bus, test a device.
  */
 #include "common_tool.h"
 #include "verbs.h"
@@ -12,6 +12,7 @@
 static const char usage[] =
     "Usage: mcanopen VERB [OPTION]...\n"
     "\n"
+    "  check NETWORK.xml          check whether the network will boot, without a bus\n"
     "  boot NETWORK.xml           boot the network that the file describes, and watch it\n"
     "  sim NETWORK.xml            simulate the devices of a network from their EDS/DCF files\n"
     "  sim -n 5 DEVICE.eds        simulate single devices\n"
@@ -30,10 +31,8 @@ static const struct verb {
     const char *name;
     int (*run)(int argc, char **argv);
 } verbs[] = {
-    { "boot", verb_boot },
-    { "sim", verb_sim },
-    { "dump", verb_dump },
-    { "conform", verb_conform },
+    { "check", verb_check }, { "boot", verb_boot },       { "sim", verb_sim },
+    { "dump", verb_dump },   { "conform", verb_conform },
 };
 
 /* Who reads the output later must not take a part for the whole. */

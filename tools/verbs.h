@@ -12,6 +12,7 @@ enum exit_code {
 };
 
 /* argv[0] is the verb. */
+int verb_check(int argc, char **argv);
 int verb_boot(int argc, char **argv);
 int verb_sim(int argc, char **argv);
 int verb_dump(int argc, char **argv);

@@ -107,8 +107,14 @@ def object_list(section, indexes):
     yield ""
 
 
-def file_information(node, pdos):
-    info = FILE.replace("NrOfTXPDO=0", f"NrOfTXPDO={pdos}")
+def count(indexes, first):
+    """PDOs of a direction."""
+    return sum(first <= index < first + 0x200 for index in indexes)
+
+
+def file_information(node, indexes):
+    info = FILE.replace("NrOfTXPDO=0", f"NrOfTXPDO={count(indexes, 0x1800)}")
+    info = info.replace("NrOfRXPDO=0", f"NrOfRXPDO={count(indexes, 0x1400)}")
     if node is not None:
         return info
     return info.replace("LastEDS=device.eds\n", "").replace("=device.dcf", "=device.eds")
@@ -128,8 +134,7 @@ def dcf(node, objects, baudrate=1000):
     lines += object_list("ManufacturerObjects", [i for i in indexes if 0x2000 <= i < 0x6000])
     for each in objects:
         lines += each.lines()
-    pdos = sum(0x1800 <= index < 0x1A00 for index in indexes)
-    return file_information(node, pdos) + "\n".join(lines) + "\n"
+    return file_information(node, indexes) + "\n".join(lines) + "\n"
 
 
 def elements(values, indent):

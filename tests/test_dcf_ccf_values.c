@@ -165,6 +165,11 @@ static const struct ccf_make defaults[] = {
       "1400:01 05020000\n",
       "12: warning: 1600h:00 ParameterValue: the number of mapped objects expected, it is "
       "missing: taken as 2\n" },
+    { "a default object beyond the number of mapped ones",
+      RPDO(D("0x205")) MAPPING(D("1"), P("0x62000108"), D("0x62000208")),
+      "1400:01 05020080\n1600:00 00\n1600:01 08010062\n1600:00 01\n1400:01 05020000\n",
+      "12: warning: 1600h:00 ParameterValue: the number of mapped objects expected, it is "
+      "missing: taken as 1\n" },
     { "a PDO that is off by default", RPDO(D("$NODEID+0x80000200")), "1400:01 05020080\n", "" },
     { "SYNC that is produced by default",
       U32("1005", D("0x40000080")) U32("1006", D("1000")) U8("1019", D("10")),

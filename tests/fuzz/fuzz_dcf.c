@@ -50,11 +50,11 @@ static void check_order(const struct dcf *dcf)
     }
 }
 
-static void check_ccf(const struct dcf *dcf, bool old_style)
+static void check_ccf(const struct dcf *dcf, bool old_style, bool all)
 {
-    struct dcf_ccf_options options = { .node_id = NODE_ID,
-                                       .old_style = old_style,
-                                       .read_file = give_file };
+    struct dcf_ccf_options options = {
+        .node_id = NODE_ID, .old_style = old_style, .all = all, .read_file = give_file
+    };
     struct co_report report = { .file = "fuzz" };
     struct ccf ccf, again;
 
@@ -108,8 +108,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         return 0;
     }
     check_order(&dcf);
-    check_ccf(&dcf, false);
-    check_ccf(&dcf, true);
+    check_ccf(&dcf, false, false);
+    check_ccf(&dcf, true, false);
+    check_ccf(&dcf, false, true);
     check_od(&dcf);
     check_lint(&dcf);
     dcf_done(&dcf);

@@ -76,6 +76,14 @@ def rules_of_files(tools):
     return rule_list(rules_of([tools / "dcftest"]), groups, "The text", "Other")
 
 
+def rules_of_networks(tools):
+    """Without those of the files of devices."""
+    of_files = {rule["name"] for rule in rules_of([tools / "dcftest"])}
+    rules = [rule for rule in rules_of([tools / "mcanopen", "check"])
+             if rule["name"] not in of_files]
+    return rule_list(rules, groups_of(ROOT / "tools/audit/audit_rules.def"), "The network", "Files")
+
+
 # ---- elements --------------------------------------------------------------------------------
 
 def plain(markdown):
@@ -111,6 +119,7 @@ def elements_of(parent):
 
 PARTS = {
     "rules of files": rules_of_files,
+    "rules of networks": rules_of_networks,
     "elements of Manager_Instance": lambda tools: elements_of("Manager_Instance"),
     "elements of Node_Instance": lambda tools: elements_of("Node_Instance"),
 }

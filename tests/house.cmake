@@ -30,6 +30,10 @@ add_test(NAME check_schema
     COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/docs/make_schema.py --check)
 set_tests_properties(check_schema PROPERTIES LABELS house)
 
+if(MCANOPEN_TOOLS)
+    house_check(check_man $<TARGET_FILE_DIR:mcanopen_tool>)
+endif()
+
 # An application of the static library that has functions named like internal ones.
 add_executable(static_link static_link.c)
 target_link_libraries(static_link PRIVATE mcanopen_settings mcanopen_static)

@@ -15,7 +15,7 @@
 #include <string.h>
 
 static const char usage[] =
-    "usage: mcanopen check [options] NETWORK.xml\n"
+    "Usage: mcanopen check [OPTION]... NETWORK.xml\n"
     "\n"
     "Reads the file and all that it names, as mcanOpenConfig() does, and checks whether the whole\n"
     "will boot and work: identity, configuration, CAN-IDs, PDO links, heartbeats, guarding, SYNC,\n"
@@ -29,10 +29,12 @@ static const char usage[] =
     "      --strict         warnings count as errors\n"
     "      --rule NAMES     of the warnings and infos these rules' alone: --rule no-sync,bus-load\n"
     "      --no-rule NAMES  without the messages of these rules\n"
-    "      --list-rules     shows the rules: name, severity, where it is written\n"
+    "      --list-rules     shows the rules: name, severity, where it is written; with --json\n"
+    "                       as JSON\n"
     "      --json           all of it as JSON\n"
     "  -q, --quiet          errors alone; twice: no output, the exit code tells\n"
-    "  -h, --help           this text\n"
+    "  -h, --help           shows this\n"
+    "      --version        shows the version\n"
     "\n"
     "Exit codes: 0 it will boot, perhaps with warnings; 1 errors, a file that cannot be read, or,\n"
     "with --strict, warnings; 2 wrong usage, or the output cannot be written.\n";

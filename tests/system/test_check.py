@@ -272,7 +272,7 @@ class Output(Check):
                           ["--eds", "6=six.dcf", "network.xml"]):
             process = self.check(*arguments, code=USAGE)
             self.assertTrue(process.err.lines, arguments)
-        self.assertIn("usage: mcanopen check", self.check("--help").out.text())
+        self.assertIn("Usage: mcanopen check", self.check("--help").out.text())
         self.assertIn("none.xml: error: no such file", self.check("none.xml", code=1).out.text())
         self.write("bad.xml", "<CANopen_Manager/>")
         self.check("bad.xml", code=1)

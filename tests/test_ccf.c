@@ -1,5 +1,6 @@
 #include "dcf/ccf.h"
 #include "support/guard.h"
+#include "support/guarded.h"
 #include "support/hex.h"
 #include "support/messages.h"
 
@@ -108,7 +109,7 @@ START_TEST(test_append_much)
         ck_assert_int_eq(ccf_append(&ccf, (uint16_t)i, 1, value, i), CO_OK);
     }
     messages_init(&messages);
-    ck_assert_int_eq(ccf_parse(ccf.bytes, ccf.size, &messages.report, &again), CO_OK);
+    ck_assert_int_eq(guarded_ccf_parse(ccf.bytes, ccf.size, &messages.report, &again), CO_OK);
     ccf_reader_init(&reader, &again);
     for (; ccf_read(&reader, &entry); count++) {
         ck_assert_uint_eq(entry.index, count);

@@ -4,6 +4,7 @@
  */
 #include "dcf/dcf.h"
 #include "support/guard.h"
+#include "support/guarded.h"
 #include "support/hex.h"
 #include "support/messages.h"
 
@@ -75,7 +76,7 @@ static void check_text(const char *path, const char *bytes, size_t size)
     enum co_err err;
 
     messages_init(&messages);
-    err = dcf_parse(bytes, size, &messages.report, &dcf);
+    err = guarded_dcf_parse(bytes, size, &messages.report, &dcf);
     ck_assert_msg(messages.report.error_kind == (int)expected_error(path), "%s: %s", path,
                   messages.report.first_error);
     if (expected_error(path) != DCF_ERROR_NONE) {
@@ -105,6 +106,43 @@ static void check_cut(const char *bytes, size_t size)
     }
 }
 
+/* The text with these ends of lines; returns its size. */
+static size_t end_lines(const char *bytes, size_t size, const char *end, char *text)
+{
+    char *at = text;
+
+    for (size_t i = 0; i < size; i++)
+        if (bytes[i] == '\n')
+            at = stpcpy(at, end);
+        else if (bytes[i] != '\r')
+            *at++ = bytes[i];
+    return (size_t)(at - text);
+}
+
+/* A file tells the same with whatever ends of lines. */
+static void check_line_ends(const char *path, const char *bytes, size_t size)
+{
+    static const char *const ends[] = { "\n", "\r\n", "\r" };
+    char *text = malloc(2 * size + 1);
+    unsigned warnings = 0;
+    size_t entries = 0;
+
+    ck_assert_ptr_nonnull(text);
+    for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++) {
+        size_t ended = end_lines(bytes, size, ends[i], text);
+        struct dcf dcf;
+
+        messages_init(&messages);
+        guarded_dcf_parse(text, ended, &messages.report, &dcf);
+        ck_assert_msg(i == 0 || (dcf.count == entries && messages.report.warnings == warnings),
+                      "%s: with lines that end otherwise", path);
+        entries = dcf.count;
+        warnings = messages.report.warnings;
+        dcf_done(&dcf);
+    }
+    free(text);
+}
+
 static void check_ccf(const char *path, const char *bytes, size_t size)
 {
     struct ccf_reader reader;
@@ -113,13 +151,13 @@ static void check_ccf(const char *path, const char *bytes, size_t size)
     size_t total = 4;
 
     messages_init(&messages);
-    ck_assert_msg(ccf_parse((const uint8_t *)bytes, size, &messages.report, &ccf) == CO_OK,
+    ck_assert_msg(guarded_ccf_parse((const uint8_t *)bytes, size, &messages.report, &ccf) == CO_OK,
                   "%s: %s", path, messages.report.first_error);
     ccf_reader_init(&reader, &ccf);
     while (ccf_read(&reader, &entry))
         total += 7 + entry.size;
     ck_assert_uint_eq(total, size);
-    ck_assert_int_eq(ccf_parse((const uint8_t *)bytes, size - 1, &messages.report, &ccf),
+    ck_assert_int_eq(guarded_ccf_parse((const uint8_t *)bytes, size - 1, &messages.report, &ccf),
                      CO_ERR_FORMAT);
     ccf_done(&ccf);
     ccf_count_of_files++;
@@ -134,6 +172,7 @@ static void check_file(const char *path)
     if (end && (strcmp(end, ".eds") == 0 || strcmp(end, ".dcf") == 0)) {
         check_text(path, bytes, size);
         check_cut(bytes, size);
+        check_line_ends(path, bytes, size);
     } else if (end && strcmp(end, ".bin") == 0) {
         check_ccf(path, bytes, size);
     }
@@ -171,6 +210,7 @@ START_TEST(test_all_files)
     printf("%u EDS and DCF files read, %u refused, %u concise DCFs read\n", read_count,
            refused_count, ccf_count_of_files);
     ck_assert_uint_gt(read_count, 0);
+    ck_assert_uint_le(100 * refused_count, 3 * (read_count + refused_count));
     ck_assert_uint_gt(ccf_count_of_files, 0);
 }
 END_TEST
@@ -223,7 +263,7 @@ START_TEST(test_known_values)
     snprintf(path, sizeof path, "%s/%s", TEST_CORPUS_DIR, known[_i].path);
     bytes = read_file(path, &size);
     messages_init(&messages);
-    ck_assert_int_eq(dcf_parse(bytes, size, &messages.report, &dcf), CO_OK);
+    ck_assert_int_eq(guarded_dcf_parse(bytes, size, &messages.report, &dcf), CO_OK);
     entry = dcf_find(&dcf, known[_i].index, known[_i].sub);
     ck_assert_ptr_nonnull(entry);
     ck_assert_msg(strcmp(value_of(&entry->initial), known[_i].initial) == 0 &&

@@ -1,6 +1,7 @@
 /* What the reader says about files: each oddity with its line, and which of them refuse a file. */
 #include "dcf/dcf.h"
 #include "support/dcf_file.h"
+#include "support/guarded.h"
 #include "support/messages.h"
 
 #include <check.h>
@@ -313,7 +314,7 @@ static struct dcf dcf;
 static enum co_err parse(const char *text)
 {
     messages_init(&messages);
-    return dcf_parse(text, strlen(text), &messages.report, &dcf);
+    return guarded_dcf_parse(text, strlen(text), &messages.report, &dcf);
 }
 
 START_TEST(test_warning)

@@ -1,6 +1,7 @@
 /* The object dictionary that a file describes. */
 #include "dcf/dcf.h"
 #include "support/dcf_file.h"
+#include "support/guarded.h"
 #include "support/hex.h"
 #include "support/messages.h"
 
@@ -15,7 +16,7 @@ static struct od od;
 static enum co_err make(const char *text, uint8_t node_id)
 {
     messages_init(&messages);
-    ck_assert_int_eq(dcf_parse(text, strlen(text), &messages.report, &dcf), CO_OK);
+    ck_assert_int_eq(guarded_dcf_parse(text, strlen(text), &messages.report, &dcf), CO_OK);
     messages_init(&messages);
     od_init(&od);
     return dcf_make_od(&dcf, node_id, &messages.report, &od);

@@ -1,6 +1,7 @@
 /* 1010h, 1011h with an owner who keeps the power-on values: images, and taking them back. */
 #include "slave/slave_store.h"
 
+#include "support/guarded.h"
 #include "support/hex.h"
 #include "support/saver.h"
 #include "support/suite.h"
@@ -270,7 +271,7 @@ static void recall(const char *hex)
     struct ccf image;
 
     told[0] = '\0';
-    ck_assert_int_eq(ccf_parse(bytes, size, &report, &image), CO_OK);
+    ck_assert_int_eq(guarded_ccf_parse(bytes, size, &report, &image), CO_OK);
     ck_assert_int_eq(slave_recall_image(&saver_device.od, &image, &report), CO_OK);
     ccf_done(&image);
 }

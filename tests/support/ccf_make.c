@@ -1,5 +1,7 @@
 #include "support/ccf_make.h"
 
+#include "support/guarded.h"
+
 #include <check.h>
 #include <stdio.h>
 #include <string.h>
@@ -27,8 +29,9 @@ const char *ccf_make_format(const struct ccf *ccf)
 void ccf_make_parse(const char *file, struct dcf *ret_dcf)
 {
     messages_init(&ccf_make_messages);
-    ck_assert_msg(dcf_parse(file, strlen(file), &ccf_make_messages.report, ret_dcf) == CO_OK, "%s",
-                  ccf_make_messages.text);
+    ck_assert_msg(guarded_dcf_parse(file, strlen(file), &ccf_make_messages.report, ret_dcf) ==
+                      CO_OK,
+                  "%s", ccf_make_messages.text);
     messages_init(&ccf_make_messages);
 }
 

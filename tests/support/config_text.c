@@ -1,5 +1,7 @@
 #include "support/config_text.h"
 
+#include "support/guarded.h"
+
 #include <check.h>
 #include <stdio.h>
 #include <string.h>
@@ -19,7 +21,7 @@ struct config_result *config_parse_bytes(const char *text, size_t size)
 
     memset(&result, 0, sizeof result);
     result.report = (struct co_report){ .file = "n.xml", .sink = collect, .context = &result };
-    result.err = network_config_parse(text, size, &result.report, &result.networks, &result.count);
+    result.err = guarded_config_parse(text, size, &result.report, &result.networks, &result.count);
     return &result;
 }
 

@@ -1,5 +1,7 @@
 #include "support/lint.h"
 
+#include "support/guarded.h"
+
 #include "dcf/dcf_compare.h"
 #include "dcf/dcf_lint.h"
 
@@ -52,7 +54,7 @@ static void parse(const char *text, struct dcf *ret_dcf)
 {
     struct co_report report = { .file = "a.eds" };
 
-    ck_assert_msg(dcf_parse(text, strlen(text), &report, ret_dcf) == CO_OK, "%s",
+    ck_assert_msg(guarded_dcf_parse(text, strlen(text), &report, ret_dcf) == CO_OK, "%s",
                   report.first_error);
 }
 

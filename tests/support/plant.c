@@ -1,5 +1,7 @@
 #include "support/plant.h"
 
+#include "support/guarded.h"
+
 #include "base/bytes.h"
 #include "manager/boot_text.h"
 
@@ -106,7 +108,7 @@ struct plant *plant_new(const char *xml, unsigned bitrate)
             "<Baudrate>1000</Baudrate>%s</Manager_Instance></CANopen_Manager>",
             xml);
     fclose(stream);
-    ck_assert_msg(network_config_parse(text, size, &report, &self->config, &self->config_count) ==
+    ck_assert_msg(guarded_config_parse(text, size, &report, &self->config, &self->config_count) ==
                       CO_OK,
                   "%s", report.first_error);
     free(text);

@@ -74,7 +74,7 @@ struct audit_pdo {
     bool transmit;
     uint16_t number;          /* from 1 */
     uint32_t cob_id;          /* without bits 30 and 31 */
-    bool is_written;          /* the COB-ID; else it is the DefaultValue */
+    bool is_chosen;           /* the COB-ID is another one than the DefaultValue */
     bool is_meant;            /* the configuration writes something of it */
     struct audit_place place; /* of the COB-ID */
     bool has_type;
@@ -107,7 +107,7 @@ struct audit_use {
     const struct audit_node *node; /* NULL: the manager */
     uint16_t index;                /* of the object that says so; 0: none */
     uint8_t sub;
-    bool is_written;
+    bool is_chosen; /* by the configuration: no DefaultValue */
     struct audit_place place;
 };
 
@@ -179,6 +179,7 @@ bool audit_run(struct audit *self);
 struct audit_value {
     bool known;
     bool written;    /* by the configuration; else it is the DefaultValue */
+    bool chosen;     /* and it is another one than that */
     uint64_t number; /* the first 8 bytes */
     uint32_t size;
     struct audit_place place; /* where it is to be changed */
@@ -195,6 +196,8 @@ struct audit_place audit_entry_place(const struct audit_node *self, uint16_t ind
 
 /* "TPDO 3" */
 struct audit_label audit_pdo_label(const struct audit_pdo *self);
+/* 1600h.., 1A00h.. */
+uint16_t audit_mapping_index(const struct audit_pdo *self);
 /* Transmission types 0 to 240. */
 bool audit_is_synchronous(const struct audit_pdo *self);
 

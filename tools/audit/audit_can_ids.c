@@ -5,6 +5,10 @@
 
 #include <stdio.h>
 
+#define INVALID       0x80000000u
+#define IDENTIFIER    0x3FFFFFFFu
+#define CONSUMERS_MAX 127u
+
 struct user {
     char text[160];
 };
@@ -50,7 +54,7 @@ static struct user name_user(const struct audit_use *use)
 static void tell(const struct audit_network *self, enum audit_rule rule,
                  const struct audit_use *first, const struct audit_use *second, const char *what)
 {
-    const struct audit_use *changed = second->is_written || !first->is_written ? second : first;
+    const struct audit_use *changed = second->is_chosen || !first->is_chosen ? second : first;
     const struct audit_use *kept = changed == second ? first : second;
 
     audit_tell(self, changed->place, rule, "CAN-ID %s of %s is that of %s as well%s",
@@ -79,6 +83,12 @@ static void tell_senders(const struct audit_network *self, const struct audit_us
     }
 }
 
+/* What a device comes with is its maker's to know, and dcftest's. */
+static bool are_one_devices(const struct audit_use *first, const struct audit_use *second)
+{
+    return first->node && first->node == second->node && !first->is_chosen && !second->is_chosen;
+}
+
 static bool are_two_servers(const struct audit_use *first, const struct audit_use *second)
 {
     return first->service == AUDIT_SDO_REQUEST && !first->sends && !second->sends;
@@ -93,6 +103,8 @@ static void check_id(const struct audit_network *self, const struct audit_use *u
         const struct audit_use *use = &uses[i];
         const unsigned bit = 1u << use->service;
 
+        if (are_one_devices(&uses[0], use))
+            continue;
         if (use->service == uses[0].service) {
             if (use->sends)
                 tell_senders(self, &uses[0], use);
@@ -115,7 +127,7 @@ static void check_restricted(const struct audit_network *self, const struct audi
     const struct od nothing = { .count = 0 };
     const bool is_sdo = use->service == AUDIT_SDO_REQUEST || use->service == AUDIT_SDO_ANSWER;
 
-    if (!use->is_written || (is_sdo && is_default_channel(use)) || !use->node ||
+    if (!use->is_chosen || (is_sdo && is_default_channel(use)) || !use->node ||
         use->index == 0x1028 || slave_may_use(&nothing, use->can_id, true))
         return;
     audit_tell(self, use->place, AUDIT_RULE_RESTRICTED_ID,
@@ -135,17 +147,45 @@ static void check_emergency(const struct audit_network *self, const struct audit
                    audit_label(use->node).text, audit_can_id(use->can_id).text, expected);
 }
 
-static void check_emergency_consumers(const struct audit_network *self,
-                                      const struct audit_use *uses, size_t count)
+static bool is_sent(const struct audit_network *self, uint32_t can_id)
 {
-    if (uses[0].sends)
-        return;
-    for (size_t i = 0; i < count; i++)
-        if (uses[i].service == AUDIT_EMCY && uses[i].is_written)
-            audit_tell(self, uses[i].place, AUDIT_RULE_EMCY_PRODUCER,
-                       "%s waits for emergencies with CAN-ID %s (1028h:%02X), which no node sends",
-                       audit_label(uses[i].node).text, audit_can_id(uses[i].can_id).text,
-                       uses[i].sub);
+    size_t low = 0, high = self->use_count;
+
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+
+        if (self->uses[middle].can_id < can_id)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low < self->use_count && self->uses[low].can_id == can_id && self->uses[low].sends;
+}
+
+/* A list that is there for all nodes is one finding. */
+static void check_emergency_consumers(const struct audit_node *self)
+{
+    struct audit_value first = { .known = false };
+    unsigned count = 0;
+    uint8_t at = 0;
+
+    for (uint8_t sub = 1; sub <= CONSUMERS_MAX; sub++) {
+        const struct audit_value value = audit_value(self, 0x1028, sub);
+        const uint32_t can_id = (uint32_t)value.number & IDENTIFIER;
+
+        if (!value.chosen || can_id == 0 || (value.number & INVALID) != 0 ||
+            is_sent(self->network, can_id))
+            continue;
+        if (count++ == 0) {
+            first = value;
+            at = sub;
+        }
+    }
+    if (count > 0)
+        audit_tell(self->network, first.place, AUDIT_RULE_EMCY_PRODUCER,
+                   "%s waits for emergencies with CAN-ID %s (1028h:%02X)%s, which no node sends",
+                   audit_label(self).text, audit_can_id((uint32_t)first.number & IDENTIFIER).text,
+                   at, count > 1 ? " and others" : "");
 }
 
 void audit_check_can_ids(struct audit_network *self)
@@ -158,7 +198,8 @@ void audit_check_can_ids(struct audit_network *self)
         if (i + 1 < self->use_count && self->uses[i + 1].can_id == self->uses[first].can_id)
             continue;
         check_id(self, &self->uses[first], i + 1 - first);
-        check_emergency_consumers(self, &self->uses[first], i + 1 - first);
         first = i + 1;
     }
+    for (size_t i = 0; i < self->node_count; i++)
+        check_emergency_consumers(&self->nodes[i]);
 }

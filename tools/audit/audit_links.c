@@ -13,11 +13,6 @@ struct link {
     const struct audit_pdo *consumer;
 };
 
-static uint16_t mapping_of(const struct audit_pdo *pdo)
-{
-    return (uint16_t)((pdo->transmit ? 0x1A00 : 0x1600) + pdo->number - 1);
-}
-
 struct ends { /* of a link, for messages */
     char text[440];
 };
@@ -68,7 +63,7 @@ static void compare_layout(const struct link *self)
 
         if (!are_alike(self, sent, received)) {
             audit_tell(to->node->network,
-                       audit_value(to->node, mapping_of(to), (uint8_t)(i + 1)).place,
+                       audit_value(to->node, audit_mapping_index(to), (uint8_t)(i + 1)).place,
                        AUDIT_RULE_PDO_LAYOUT,
                        "%s: at bit %u it expects %04Xh:%02X (%u bits, %s), there comes %04Xh:%02X "
                        "(%u bits, %s)",
@@ -85,7 +80,7 @@ static void compare_lengths(const struct link *self)
 {
     const struct audit_pdo *from = self->producer, *to = self->consumer;
     const unsigned sent = (from->bits + 7) / 8, expected = (to->bits + 7) / 8;
-    const struct audit_place place = audit_value(to->node, mapping_of(to), 0).place;
+    const struct audit_place place = audit_value(to->node, audit_mapping_index(to), 0).place;
 
     if (!from->is_mapped || !to->is_mapped)
         return;
@@ -127,8 +122,8 @@ static void compare_times(const struct link *self)
 
 static bool has_default_id(const struct audit_pdo *pdo)
 {
-    return !pdo->is_written || (pdo->number <= 4 && pdo->cob_id == 0x100u + 0x100u * pdo->number +
-                                                                       pdo->node->config->node_id);
+    return !pdo->is_chosen || (pdo->number <= 4 && pdo->cob_id == 0x100u + 0x100u * pdo->number +
+                                                                      pdo->node->config->node_id);
 }
 
 /* True: somebody sends it. */

@@ -6,11 +6,19 @@
 #define BITS_MAX  64u
 #define DUMMY_END 0x20u /* data types as objects */
 
+/* A maker who lets strings and domains be mapped knows how much of them. */
 static bool has_size(const struct dcf_entry *entry, unsigned bits)
 {
-    if (entry->type == OD_BOOLEAN && bits == 1)
-        return true;
-    return od_type_size(entry->type) != 0 && od_type_size(entry->type) * 8 == bits;
+    return od_type_size(entry->type) == 0 || od_type_size(entry->type) * 8 >= bits;
+}
+
+static bool is_part(const struct audit_pdo *pdo, uint32_t mapped)
+{
+    const struct dcf_entry *entry = dcf_find(&pdo->node->description, (uint16_t)(mapped >> 16),
+                                             (uint8_t)(mapped >> 8));
+
+    return entry && entry->type != OD_BOOLEAN && mapped >> 16 >= DUMMY_END &&
+           (mapped & 0xFF) < od_type_size(entry->type) * 8;
 }
 
 static bool has_direction(const struct dcf_entry *entry, bool transmit)
@@ -51,28 +59,41 @@ static const char *judge(const struct audit_pdo *pdo, uint32_t mapped)
         return "its PDOMapping is 0";
     if (!has_direction(entry, pdo->transmit))
         return pdo->transmit ? "it is for RPDOs only" : "it is for TPDOs only";
-    return has_size(entry, mapped & 0xFF) ? NULL : "the entry has another size";
+    return has_size(entry, mapped & 0xFF) ? NULL : "the entry has fewer";
+}
+
+static void check_entry(const struct audit_pdo *pdo, uint8_t sub, const struct audit_value *value)
+{
+    const struct audit_node *node = pdo->node;
+    const uint32_t mapped = pdo->mapped[sub - 1];
+    const char *why = judge(pdo, mapped);
+
+    if (why)
+        audit_tell(node->network, value->place, AUDIT_RULE_PDO_MAPPING,
+                   "%s: %04Xh:%02X maps %04Xh:%02X with %u bits into %s, but %s: boot error J",
+                   audit_label(node).text, audit_mapping_index(pdo), sub, mapped >> 16,
+                   mapped >> 8 & 0xFF, mapped & 0xFF, audit_pdo_label(pdo).text, why);
+    else if (is_part(pdo, mapped))
+        audit_tell(node->network, value->place, AUDIT_RULE_PDO_PART,
+                   "%s: %04Xh:%02X maps %04Xh:%02X with %u bits into %s, the entry has more: most "
+                   "devices refuse that (boot error J)",
+                   audit_label(node).text, audit_mapping_index(pdo), sub, mapped >> 16,
+                   mapped >> 8 & 0xFF, mapped & 0xFF, audit_pdo_label(pdo).text);
 }
 
 static void check(const struct audit_pdo *pdo)
 {
     const struct audit_node *node = pdo->node;
-    const uint16_t index = (uint16_t)((pdo->transmit ? 0x1A00 : 0x1600) + pdo->number - 1);
-    const struct audit_value count = audit_value(node, index, 0);
+    const uint16_t index = audit_mapping_index(pdo);
 
-    for (uint8_t i = 0; node->described && i < pdo->count; i++) {
-        const struct audit_value value = audit_value(node, index, (uint8_t)(i + 1));
-        const char *why = value.written ? judge(pdo, pdo->mapped[i]) : NULL;
+    for (uint8_t sub = 1; node->described && sub <= pdo->count; sub++) {
+        const struct audit_value value = audit_value(node, index, sub);
 
-        if (why)
-            audit_tell(node->network, value.place, AUDIT_RULE_PDO_MAPPING,
-                       "%s: %04Xh:%02X maps %04Xh:%02X with %u bits into %s, but %s: boot error J",
-                       audit_label(node).text, index, i + 1u, pdo->mapped[i] >> 16,
-                       pdo->mapped[i] >> 8 & 0xFF, pdo->mapped[i] & 0xFF, audit_pdo_label(pdo).text,
-                       why);
+        if (value.chosen)
+            check_entry(pdo, sub, &value);
     }
     if (pdo->is_mapped && pdo->bits > BITS_MAX && pdo->is_meant)
-        audit_tell(node->network, count.place, AUDIT_RULE_PDO_MAPPING,
+        audit_tell(node->network, audit_value(node, index, 0).place, AUDIT_RULE_PDO_MAPPING,
                    "%s: %04Xh maps %u bits into %s, 64 expected at most", audit_label(node).text,
                    index, pdo->bits, audit_pdo_label(pdo).text);
 }

@@ -67,10 +67,12 @@ static void collect(struct audit_network *self, const struct audit_node *node, u
 
     if (!cob_id.known || (cob_id.number & INVALID) != 0)
         return;
+    if (!cob_id.chosen && (cob_id.number & IDENTIFIER) == 0) /* so some files say "none" */
+        return;
     pdo.transmit = index >= 0x1800;
     pdo.number = (uint16_t)((index & 0x1FF) + 1);
     pdo.cob_id = (uint32_t)cob_id.number & IDENTIFIER;
-    pdo.is_written = cob_id.written;
+    pdo.is_chosen = cob_id.chosen;
     pdo.is_meant = cob_id.written;
     pdo.place = cob_id.place;
     read_parameters(node, index, &pdo);
@@ -151,6 +153,11 @@ struct audit_label audit_pdo_label(const struct audit_pdo *self)
     snprintf(label.text, sizeof label.text, "%s %u", self->transmit ? "TPDO" : "RPDO",
              self->number);
     return label;
+}
+
+uint16_t audit_mapping_index(const struct audit_pdo *self)
+{
+    return (uint16_t)((self->transmit ? 0x1A00 : 0x1600) + self->number - 1);
 }
 
 bool audit_is_synchronous(const struct audit_pdo *self)

@@ -94,7 +94,7 @@ static void check_time(const struct audit_network *self)
                                                  "time stamps");
 
     for (size_t i = 0; i < self->use_count && !sender && audit_knows_all(self); i++)
-        if (self->uses[i].service == AUDIT_TIME && self->uses[i].is_written)
+        if (self->uses[i].service == AUDIT_TIME && self->uses[i].is_chosen)
             audit_tell(self, self->uses[i].place, AUDIT_RULE_NO_TIME,
                        "%s listens to time stamps (1012h), which nobody sends",
                        name_of(&self->uses[i]).text);

@@ -67,7 +67,7 @@ static void add_value(struct audit_network *self, const struct audit_node *node,
 {
     use.can_id = (uint32_t)value->number;
     use.node = node;
-    use.is_written = value->written;
+    use.is_chosen = value->chosen;
     use.place = value->place;
     add(self, use);
 }
@@ -148,8 +148,8 @@ static int compare(const void *a, const void *b)
         return left->can_id > right->can_id ? 1 : -1;
     if (left->sends != right->sends)
         return left->sends ? -1 : 1;
-    if (left->is_written != right->is_written) /* what cannot be changed comes first */
-        return left->is_written ? 1 : -1;
+    if (left->is_chosen != right->is_chosen) /* what cannot be changed comes first */
+        return left->is_chosen ? 1 : -1;
     if (left->node != right->node)
         return !left->node || (right->node && left->node < right->node) ? -1 : 1;
     return (left->index << 8 | left->sub) - (right->index << 8 | right->sub);
@@ -165,7 +165,7 @@ void audit_collect_uses(struct audit_network *self)
         const uint16_t index = (uint16_t)((pdo->transmit ? 0x1800 : 0x1400) + pdo->number - 1);
 
         add(self, (struct audit_use){ pdo->cob_id, AUDIT_PDO, pdo->transmit, pdo->node, index, 1,
-                                      pdo->is_written, pdo->place });
+                                      pdo->is_chosen, pdo->place });
     }
     if (!self->no_memory)
         qsort(self->uses, self->use_count, sizeof *self->uses, compare);

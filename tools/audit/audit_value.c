@@ -69,12 +69,18 @@ struct audit_value audit_value(const struct audit_node *self, uint16_t index, ui
 {
     const struct audit_written *written = find_written(self, index, sub);
     const struct dcf_entry *entry = NULL;
+    struct audit_value preset = { .known = false }, value;
 
-    if (written)
-        return written_value(self, written);
     if (self->described)
         entry = dcf_find(&self->description, index, sub);
-    return entry ? default_value(self, entry) : (struct audit_value){ .known = false };
+    if (entry)
+        preset = default_value(self, entry);
+    if (written) {
+        value = written_value(self, written);
+        value.chosen = !preset.known || preset.number != value.number;
+        return value;
+    }
+    return preset;
 }
 
 uint64_t audit_number(const struct audit_node *self, uint16_t index, uint8_t sub, uint64_t missing)

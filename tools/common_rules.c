@@ -1,5 +1,6 @@
 #include "common_rules.h"
 
+#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -29,13 +30,18 @@ static bool is_named(const struct co_rule *rule, const char *name, size_t size)
     return strlen(rule->name) == size && memcmp(rule->name, name, size) == 0;
 }
 
-static size_t number_of(const struct rule_choice *self, const struct co_rule *wanted)
+static size_t number_of(const struct rule_choice *self, const struct co_rule *rule)
 {
-    const struct co_rule *rule;
+    size_t before = 0;
 
-    for (size_t i = 0; wanted && (rule = rule_choice_at(self, i)) != NULL; i++)
-        if (rule == wanted)
-            return i;
+    for (size_t i = 0; rule && i < self->list_count; i++) {
+        const struct rule_list *list = &self->lists[i];
+        const size_t place = ((uintptr_t)rule - (uintptr_t)list->rules) / sizeof *rule;
+
+        if (place < list->count)
+            return before + place;
+        before += list->count;
+    }
     return NONE;
 }
 

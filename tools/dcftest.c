@@ -144,9 +144,9 @@ static int take_value(struct arguments *self, int option)
     case 'j': return take_number("-j", JOBS_LIMIT, &settings->jobs);
     case OPTION_TIMEOUT: return take_number("--timeout", TIMEOUT_LIMIT, &self->online.timeout);
     case OPTION_RULE:
-        return rule_set_add(&settings->rules, "--rule", optarg) ? GO_ON : DCFTEST_TROUBLE;
+        return rule_choice_add(&settings->rules, "--rule", optarg) ? GO_ON : DCFTEST_TROUBLE;
     case OPTION_NO_RULE:
-        return rule_set_add(&settings->rules, "--no-rule", optarg) ? GO_ON : DCFTEST_TROUBLE;
+        return rule_choice_add(&settings->rules, "--no-rule", optarg) ? GO_ON : DCFTEST_TROUBLE;
     default: return usage_error("unknown option, or one without its value");
     }
 }
@@ -309,6 +309,7 @@ int main(int argc, char **argv)
         fputs(help, stderr);
         return DCFTEST_TROUBLE;
     }
+    rules_init(&arguments.settings.rules);
     result = parse_options(&arguments, argc, argv);
     if (result != GO_ON)
         return result;

@@ -12,6 +12,7 @@
 #define TOOLS_DCFTEST_H
 
 #include "base/report.h"
+#include "common_rules.h"
 #include "dcf/dcf.h"
 #include "dcf/dcf_rules.h"
 
@@ -39,20 +40,13 @@ extern const struct co_rule tool_rules[TOOL_RULE_COUNT];
 
 #define RULE_COUNT (DCF_RULE_COUNT + TOOL_RULE_COUNT)
 
-struct rule_set { /* which warnings are wanted; errors always are */
-    bool chosen;  /* by --rule: only those */
-    bool wanted[RULE_COUNT];
-    bool unwanted[RULE_COUNT];
-};
-
 const struct co_rule *rule_at(size_t number); /* 0..RULE_COUNT - 1, in the order of a listing */
 /* RULE_COUNT: NULL, or a rule that is none of these. */
 size_t rule_number(const struct co_rule *rule);
 /* "CANOPEN_DCF_..." of a rule, or NULL. */
 const char *rule_code(const struct co_rule *rule);
-/* The names of a list with commas into a set; false: one is not a rule's, that has been told. */
-bool rule_set_add(struct rule_set *self, const char *option, const char *names);
-bool rule_set_has(const struct rule_set *self, const struct co_message *message);
+/* All of them are wanted. */
+void rules_init(struct rule_choice *self);
 bool rules_print(bool json); /* --list-rules; false: not written */
 
 /* --- files --- */
@@ -104,7 +98,7 @@ struct result {
 };
 
 struct settings {
-    struct rule_set rules;
+    struct rule_choice rules;
     bool strict, json, sarif, summary;
     unsigned quiet;        /* 1: no warnings, 2: nothing */
     unsigned jobs;         /* 0: as many as processors */

@@ -49,7 +49,7 @@ void result_take(struct result *self, const struct settings *settings,
     struct finding *finding;
     char *text;
 
-    if (!rule_set_has(&settings->rules, message))
+    if (!rule_choice_has(&settings->rules, message))
         return;
     ++*(warning ? &self->warnings : &self->errors);
     if (self->kept[warning] == FINDINGS_MAX)

@@ -1,14 +1,8 @@
-/* The rules of dcftest: which there are, and which of them the user wants to hear of. */
+/* The rules of dcftest. */
 #include "dcftest.h"
 
 #include "common_tool.h"
 #include "json/json_text.h"
-
-#include <stdlib.h>
-#include <string.h>
-
-#define NAME_MAX_SIZE 40u /* longer ones resemble no rule's */
-#define NEAR          2u  /* changes of a letter */
 
 const struct co_rule tool_rules[TOOL_RULE_COUNT] = {
     [RULE_UNREADABLE] = { "unreadable", CO_ERROR, 0, "dcftest",
@@ -54,110 +48,16 @@ const char *rule_code(const struct co_rule *rule)
     return rule ? tool_dcf_code(rule->kind) : NULL;
 }
 
-static size_t find(const char *name, size_t size)
+static const struct rule_list lists[] = {
+    { dcf_rules, DCF_RULE_COUNT, true },
+    { tool_rules, TOOL_RULE_COUNT, true },
+};
+
+void rules_init(struct rule_choice *self)
 {
-    for (size_t i = 0; i < RULE_COUNT; i++)
-        if (strlen(rule_at(i)->name) == size && memcmp(rule_at(i)->name, name, size) == 0)
-            return i;
-    return RULE_COUNT;
-}
-
-static size_t least(size_t a, size_t b)
-{
-    return a < b ? a : b;
-}
-
-/* How many letters are to be changed, put in or left out to make one of the other. */
-static size_t distance(const char *a, size_t a_size, const char *b, size_t b_size)
-{
-    size_t row[NAME_MAX_SIZE + 1];
-
-    if (a_size > NAME_MAX_SIZE || b_size > NAME_MAX_SIZE)
-        return NAME_MAX_SIZE;
-    for (size_t k = 0; k <= b_size; k++)
-        row[k] = k;
-    for (size_t i = 1; i <= a_size; i++) {
-        size_t diagonal = row[0];
-
-        row[0] = i;
-        for (size_t k = 1; k <= b_size; k++) {
-            const size_t changed = diagonal + (a[i - 1] != b[k - 1]);
-
-            diagonal = row[k];
-            row[k] = least(changed, least(row[k], row[k - 1]) + 1);
-        }
-    }
-    return row[b_size];
-}
-
-static bool resembles(const char *rule, const char *name, size_t size)
-{
-    return distance(rule, strlen(rule), name, size) <= NEAR ||
-           (size >= 3 && memmem(rule, strlen(rule), name, size) != NULL);
-}
-
-static void tell_unknown(const char *option, const char *name, size_t size)
-{
-    const char *between = "; did you mean ";
-
-    fprintf(stderr, "dcftest: %s: no rule \"%.*s\"", option, (int)size, name);
-    for (size_t i = 0; i < RULE_COUNT; i++) {
-        if (resembles(rule_at(i)->name, name, size)) {
-            fprintf(stderr, "%s%s", between, rule_at(i)->name);
-            between = ", ";
-        }
-    }
-    fputs(between[0] == ';' ? "\nTry 'dcftest --list-rules'.\n" : "?\n", stderr);
-}
-
-/* A boot fails on it, whoever wants to know. */
-static bool tell_error_rule(const char *name)
-{
-    fprintf(stderr,
-            "dcftest: --no-rule: \"%s\" is an error, for which the manager refuses a file: it "
-            "cannot be left out\n",
-            name);
-    return false;
-}
-
-static bool add_name(struct rule_set *self, const char *option, const char *name, size_t size)
-{
-    const bool without = strcmp(option, "--no-rule") == 0;
-    const size_t number = find(name, size);
-
-    if (number == RULE_COUNT) {
-        tell_unknown(option, name, size);
-        return false;
-    }
-    if (without && rule_at(number)->severity == CO_ERROR)
-        return tell_error_rule(rule_at(number)->name);
-    (without ? self->unwanted : self->wanted)[number] = true;
-    self->chosen |= !without;
-    return true;
-}
-
-bool rule_set_add(struct rule_set *self, const char *option, const char *names)
-{
-    for (;;) {
-        const size_t size = strcspn(names, ",");
-
-        if (!add_name(self, option, names, size))
-            return false;
-        if (names[size] == '\0')
-            return true;
-        names += size + 1;
-    }
-}
-
-bool rule_set_has(const struct rule_set *self, const struct co_message *message)
-{
-    const size_t number = rule_number(message->rule);
-
-    if (message->severity == CO_ERROR)
-        return true;
-    if (number == RULE_COUNT)
-        return !self->chosen;
-    return !self->unwanted[number] && (!self->chosen || self->wanted[number]);
+    *self = (struct rule_choice){ .tool = "dcftest",
+                                  .lists = lists,
+                                  .list_count = sizeof lists / sizeof lists[0] };
 }
 
 static bool print_line(const struct co_rule *rule)

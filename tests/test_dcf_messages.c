@@ -402,7 +402,15 @@ static const struct {
     { "a module that is not there",
       LINES("[SupportedModules]\nNrOfEntries=2\n[ConnectedModules]\nNrOfEntries=2\n1=2\n2=3\n"),
       DCF_ERROR_WRONG_MODULE_NO,
-      "68: error: [ConnectedModules] 2: a module of 1..2 expected, there is \"3\"\n" },
+      "63: warning: [SupportedModules]: an object 1027h (the list of modules) expected, it is "
+      "missing\n"
+      "68: error: [ConnectedModules] 2: a module of 1..2 expected, there is \"3\"\n"
+      "63: warning: [SupportedModules]: a section [M1ModuleInfo] expected, it is missing\n" },
+    { "a module that is no number", LINES("[ConnectedModules]\nNrOfEntries=1\n1=IO-1\n"),
+      DCF_ERROR_WRONG_MODULE_NO,
+      "65: error: [ConnectedModules] 1: a module of 1..127 expected, there is \"IO-1\"\n" },
+    { "module 0", LINES("[ConnectedModules]\nNrOfEntries=1\n1=0\n"), DCF_ERROR_WRONG_MODULE_NO,
+      "65: error: [ConnectedModules] 1: a module of 1..127 expected, there is \"0\"\n" },
     { "all errors are told, the kind is the first one's",
       U8_OBJECT("ParameterValue=256\n[DeviceComissioning]\nNodeID=200\nBaudrate=500\n" NETWORK),
       DCF_ERROR_WRONG_MODULE_NO,

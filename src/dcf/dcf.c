@@ -88,9 +88,10 @@ static void build(struct dcf_builder *self)
     dcf_build_commissioning(self);
     dcf_build_objects(self);
     dcf_build_compact_pdos(self);
+    dcf_build_modules(self);
+    dcf_tell_no_names(self);
     dcf_apply_compact_lists(self);
     dcf_check_lists(self);
-    dcf_check_modules(self);
     dcf_check_notes(self);
     dcf_check_values(self);
 }

@@ -53,14 +53,20 @@ bool dcf_key_index(struct dcf_builder *self, const struct dcf_section *section,
 void dcf_check_notes(struct dcf_builder *self);
 void dcf_check_comments(struct dcf_builder *self, struct dcf_section *section);
 
-/* dcf_lists.c: object lists against sections; NrOfRXPDO and NrOfTXPDO; [ConnectedModules] */
+/* dcf_lists.c: object lists against sections; NrOfRXPDO and NrOfTXPDO */
 void dcf_check_lists(struct dcf_builder *self);
-void dcf_check_modules(struct dcf_builder *self);
+
+/* dcf_modules.c: checks all modules, adds what those in use add to the device */
+void dcf_build_modules(struct dcf_builder *self);
 
 /* dcf_objects.c */
 void dcf_build_objects(struct dcf_builder *self);
+void dcf_tell_no_names(struct dcf_builder *self);
+/* The object at this place of the sections; the place of the next one. */
+size_t dcf_build_group(struct dcf_builder *self, size_t place);
 /* A new entry at the end, or NULL: too many or no memory. */
 struct dcf_entry *dcf_build_entry(struct dcf_builder *self, uint16_t index, uint8_t sub);
+void dcf_sort_entries(struct dcf_builder *self);
 
 /* dcf_entry.c: one section's keys into an entry */
 void dcf_fill_entry(struct dcf_builder *self, struct dcf_section *section, struct dcf_entry *entry);
@@ -69,6 +75,8 @@ const char *dcf_access_text(uint8_t access);
 
 /* dcf_compact.c */
 void dcf_build_compact(struct dcf_builder *self, struct dcf_section *section, unsigned count);
+/* A sub-index as the pattern describes it, with its number behind the name. */
+void dcf_build_element(struct dcf_builder *self, const struct dcf_entry *pattern, unsigned sub);
 void dcf_apply_compact_lists(struct dcf_builder *self);
 
 /* dcf_compact_pdo.c */
@@ -76,6 +84,7 @@ void dcf_build_compact_pdos(struct dcf_builder *self);
 
 /* dcf_check.c: limits against values, when all sections have been read */
 void dcf_check_values(struct dcf_builder *self);
+void dcf_check_values_from(struct dcf_builder *self, size_t first);
 
 /* dcf_keys.c: keys of a section as numbers and texts, with their messages */
 

@@ -152,10 +152,15 @@ static void check_formula(struct dcf_builder *self, const struct dcf_entry *entr
 
 void dcf_check_values(struct dcf_builder *self)
 {
+    dcf_check_values_from(self, 0);
+}
+
+void dcf_check_values_from(struct dcf_builder *self, size_t first)
+{
     struct dcf *dcf = self->dcf;
     uint8_t node_id = dcf->has_node_id ? dcf->node_id : 1;
 
-    for (size_t i = 0; i < dcf->count; i++) {
+    for (size_t i = first; i < dcf->count; i++) {
         struct dcf_entry *entry = &dcf->entries[i];
 
         check_limits(self, entry, node_id);

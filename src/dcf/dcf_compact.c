@@ -30,7 +30,7 @@ static void build_highest_sub(struct dcf_builder *self, const struct dcf_section
     dcf_set_number(self, &entry->initial, 1, counts ? 0 : count);
 }
 
-static void build_element(struct dcf_builder *self, const struct dcf_entry *pattern, unsigned sub)
+void dcf_build_element(struct dcf_builder *self, const struct dcf_entry *pattern, unsigned sub)
 {
     struct dcf_entry *entry = dcf_build_entry(self, pattern->index, (uint8_t)sub);
     char name[300];
@@ -61,7 +61,7 @@ void dcf_build_compact(struct dcf_builder *self, struct dcf_section *section, un
                  dcf_show(section->name).text, section->index);
     build_highest_sub(self, section, count, pattern.access);
     for (unsigned sub = 1; sub <= count && !self->no_memory; sub++)
-        build_element(self, &pattern, sub);
+        dcf_build_element(self, &pattern, sub);
 }
 
 static struct dcf_entry *find_entry(struct dcf_builder *self, uint16_t index, unsigned sub)

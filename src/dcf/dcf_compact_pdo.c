@@ -125,15 +125,6 @@ static void build_pdos(struct dcf_builder *self, unsigned first, unsigned announ
     }
 }
 
-static int compare_entries(const void *left, const void *right)
-{
-    const struct dcf_entry *a = left, *b = right;
-
-    if (a->index != b->index)
-        return a->index < b->index ? -1 : 1;
-    return (a->sub > b->sub) - (a->sub < b->sub);
-}
-
 void dcf_build_compact_pdos(struct dcf_builder *self)
 {
     struct dcf *dcf = self->dcf;
@@ -144,5 +135,5 @@ void dcf_build_compact_pdos(struct dcf_builder *self)
     build_pdos(self, 0x1400, dcf->rx_pdos, described);
     build_pdos(self, 0x1800, dcf->tx_pdos, described);
     if (dcf->count > described)
-        qsort(dcf->entries, dcf->count, sizeof *dcf->entries, compare_entries);
+        dcf_sort_entries(self);
 }

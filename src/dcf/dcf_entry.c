@@ -80,7 +80,8 @@ static void fill_type(struct dcf_builder *self, struct dcf_section *section,
         entry->type = (uint8_t)type;
         return;
     }
-    if (entry->sub == 0 && section->kind == DCF_SECTION_SUB)
+    if (entry->sub == 0 &&
+        (section->kind == DCF_SECTION_SUB || section->kind == DCF_SECTION_FIXED_SUB))
         entry->type = OD_UNSIGNED8;
     dcf_tell(self->report, DCF_RULE_DATA_TYPE, key ? key->line : section->line,
              "[%s] DataType: a data type of CiA 301 expected, %s%s: %s",

@@ -6,7 +6,6 @@
 #define FIRST_OBJECT 0x1000u
 #define LAST_TYPE    0x025Fu
 #define IDENTITY     0x1018u /* mandatory since version 4 of the files */
-#define MODULE_MAX   127u
 #define PDOS_MAX     512u
 
 static const struct list {
@@ -166,28 +165,5 @@ void dcf_check_lists(struct dcf_builder *self)
     if (dcf_text_find(&self->text, DCF_SECTION_DEVICE_INFO)) {
         check_pdo_count(self, "NrOfRXPDO", 0x1400, self->dcf->rx_pdos);
         check_pdo_count(self, "NrOfTXPDO", 0x1800, self->dcf->tx_pdos);
-    }
-}
-
-void dcf_check_modules(struct dcf_builder *self)
-{
-    struct dcf_section *supported = dcf_text_find(&self->text, DCF_SECTION_SUPPORTED_MODULES);
-    struct dcf_section *connected = dcf_text_find(&self->text, DCF_SECTION_CONNECTED_MODULES);
-    uint32_t most = MODULE_MAX;
-    uint16_t module;
-    unsigned slot;
-
-    if (supported)
-        most = dcf_key_number(self, supported, "NrOfEntries", MODULE_MAX, MODULE_MAX);
-    for (size_t i = 0; connected && i < connected->count; i++) {
-        const struct dcf_key *key = &connected->keys[i];
-
-        if (!dcf_slice_decimal(key->name, UINT16_MAX, &slot) || key->value.size == 0)
-            continue;
-        if (dcf_key_index(self, connected, key, &module) && (module < 1 || module > most))
-            dcf_tell(self->report, DCF_RULE_MODULE_NUMBER, key->line,
-                     "[%s] %u: a module of 1..%lu expected, there is \"%s\"",
-                     dcf_show(connected->name).text, slot, (unsigned long)most,
-                     dcf_show(key->value).text);
     }
 }

@@ -1,6 +1,7 @@
 /* Object sections as entries: variables, and arrays and records with their sub-indices. */
 #include "dcf/dcf_build.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -47,6 +48,22 @@ struct dcf_entry *dcf_build_entry(struct dcf_builder *self, uint16_t index, uint
                                                    .sub = sub,
                                                    .object_type = OBJECT_VAR };
     return &dcf->entries[dcf->count++];
+}
+
+static int compare_entries(const void *left, const void *right)
+{
+    const struct dcf_entry *a = left, *b = right;
+
+    if (a->index != b->index)
+        return a->index < b->index ? -1 : 1;
+    return (a->sub > b->sub) - (a->sub < b->sub);
+}
+
+void dcf_sort_entries(struct dcf_builder *self)
+{
+    struct dcf *dcf = self->dcf;
+
+    qsort(dcf->entries, dcf->count, sizeof *dcf->entries, compare_entries);
 }
 
 static bool has_subs(uint8_t object_type)
@@ -108,6 +125,18 @@ static void build_sub(struct dcf_builder *self, const struct group *group,
     dcf_tell_unused(self, section);
 }
 
+/* "2000" or "M1Fixed2000" */
+static struct dcf_shown object_name(const struct dcf_section *section)
+{
+    struct dcf_shown name;
+
+    if (section->part > 0)
+        snprintf(name.text, sizeof name.text, "M%uFixed%04X", section->part, section->index);
+    else
+        snprintf(name.text, sizeof name.text, "%04X", section->index);
+    return name;
+}
+
 static void check_subs(struct dcf_builder *self, const struct group *group)
 {
     struct dcf_section *object = group->object;
@@ -123,8 +152,8 @@ static void check_subs(struct dcf_builder *self, const struct group *group)
                  dcf_show(object->name).text, count, (unsigned long)announced);
     if (count > 0 && group->subs[0].sub != 0)
         dcf_tell(self->report, DCF_RULE_SUB_0_MISSING, object->line,
-                 "[%s]: a section [%04Xsub0] expected, it is missing", dcf_show(object->name).text,
-                 object->index);
+                 "[%s]: a section [%ssub0] expected, it is missing", dcf_show(object->name).text,
+                 object_name(object).text);
 }
 
 static void build_structure(struct dcf_builder *self, struct group *group)
@@ -144,8 +173,8 @@ static void build_structure(struct dcf_builder *self, struct group *group)
 static void build_orphans(struct dcf_builder *self, struct group *group)
 {
     dcf_tell(self->report, DCF_RULE_OBJECT_MISSING, group->subs[0].line,
-             "[%s]: a section [%04X] for its object expected, it is missing",
-             dcf_show(group->subs[0].name).text, group->subs[0].index);
+             "[%s]: a section [%s] for its object expected, it is missing",
+             dcf_show(group->subs[0].name).text, object_name(&group->subs[0]).text);
     group->object_type = OBJECT_RECORD;
     for (size_t i = 0; i < group->sub_count; i++)
         build_sub(self, group, &group->subs[i]);
@@ -199,30 +228,43 @@ static void build_group(struct dcf_builder *self, struct group *group)
 /* Collects the sections of one object; the place of the next one. */
 static size_t collect_group(struct dcf_text *text, size_t place, struct group *group)
 {
-    uint16_t index = text->sections[place].index;
+    struct dcf_section *first = &text->sections[place], *section = first;
+    const struct dcf_section *end = text->sections + text->section_count;
 
     *group = (struct group){ .sub_count = 0 };
-    for (; is_of_object(text, place) && text->sections[place].index == index; place++) {
-        if (text->sections[place].kind == DCF_SECTION_OBJECT)
-            group->object = &text->sections[place];
-        else if (text->sections[place].kind == DCF_SECTION_SUB && group->sub_count++ == 0)
-            group->subs = &text->sections[place];
+    for (; section < end && section->index == first->index && section->part == first->part;
+         section++) {
+        if (section->kind == DCF_SECTION_OBJECT || section->kind == DCF_SECTION_FIXED)
+            group->object = section;
+        else if ((section->kind == DCF_SECTION_SUB || section->kind == DCF_SECTION_FIXED_SUB) &&
+                 group->sub_count++ == 0)
+            group->subs = section;
     }
+    return (size_t)(section - text->sections);
+}
+
+size_t dcf_build_group(struct dcf_builder *self, size_t place)
+{
+    struct group group;
+
+    place = collect_group(&self->text, place, &group);
+    build_group(self, &group);
     return place;
 }
 
 void dcf_build_objects(struct dcf_builder *self)
 {
     struct dcf_text *text = &self->text;
-    struct group group;
     size_t place = 0;
 
     while (place < text->section_count && text->sections[place].kind < DCF_SECTION_OBJECT)
         place++;
-    while (is_of_object(text, place) && !self->no_memory) {
-        place = collect_group(text, place, &group);
-        build_group(self, &group);
-    }
+    while (is_of_object(text, place) && !self->no_memory)
+        place = dcf_build_group(self, place);
+}
+
+void dcf_tell_no_names(struct dcf_builder *self)
+{
     if (self->no_name > 0)
         dcf_tell(self->report, DCF_RULE_PARAMETER_NAME, self->no_name_line,
                  "ParameterName: a text expected, it is missing or empty (%u such sections)",

@@ -28,7 +28,7 @@ static const char help[] =
     "      --list-rules     shows the rules: name, severity, where it is written; with --json\n"
     "                       as JSON\n"
     "  -n, --node-id ID     node-ID for $NODEID, 1..127 (default: NodeID of the file)\n"
-    "      --eds FILE.eds   compares each file with this one: what is not as in the EDS is told\n"
+    "  -e, --eds FILE.eds   compares each file with this one: what is not as in the EDS is told\n"
     "      --json           the messages as JSON\n"
     "      --sarif          the messages as SARIF 2.1.0\n"
     "  -q, --quiet          no warnings; twice: no output, the exit code tells\n"
@@ -62,7 +62,6 @@ enum {
     OPTION_JSON,
     OPTION_SARIF,
     OPTION_SUMMARY,
-    OPTION_EDS,
     OPTION_ONLINE,
     OPTION_ALL,
     OPTION_TIMEOUT,
@@ -75,7 +74,7 @@ static const struct option options[] = {
     { "no-rule", required_argument, NULL, OPTION_NO_RULE },
     { "list-rules", no_argument, NULL, OPTION_LIST_RULES },
     { "node-id", required_argument, NULL, 'n' },
-    { "eds", required_argument, NULL, OPTION_EDS },
+    { "eds", required_argument, NULL, 'e' },
     { "json", no_argument, NULL, OPTION_JSON },
     { "sarif", no_argument, NULL, OPTION_SARIF },
     { "quiet", no_argument, NULL, 'q' },
@@ -161,7 +160,7 @@ static bool take_switch(struct arguments *self, int option)
     case OPTION_SUMMARY: self->settings.summary = true; return true;
     case OPTION_ONLINE: self->is_online = true; return true;
     case OPTION_ALL: self->online.all = true; return true;
-    case OPTION_EDS: self->eds = optarg; return true;
+    case 'e': self->eds = optarg; return true;
     case 'i': self->online.bus = optarg; return true;
     case 'q': self->settings.quiet++; return true;
     default: return false;
@@ -203,7 +202,7 @@ static int parse_options(struct arguments *self, int argc, char **argv)
 {
     int option, result = GO_ON;
 
-    while (result == GO_ON && (option = getopt_long(argc, argv, "n:qj:i:h", options, NULL)) != -1)
+    while (result == GO_ON && (option = getopt_long(argc, argv, "n:e:qj:i:h", options, NULL)) != -1)
         result = take_option(self, option);
     if (result != GO_ON)
         return result;

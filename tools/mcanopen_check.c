@@ -25,7 +25,7 @@ static const char usage[] =
     "will not boot, or not work; a warning: doubtful; an info: worth to know. Then come a table\n"
     "of the nodes, and estimates of bus load and boot time.\n"
     "\n"
-    "      --eds NODE=FILE  the EDS of a node with a CCF_File, or without a file\n"
+    "  -e, --eds NODE=FILE  the EDS of a node with a CCF_File, or without a file\n"
     "      --strict         warnings count as errors\n"
     "      --rule NAMES     of the warnings and infos these rules' alone: --rule no-sync,bus-load\n"
     "      --no-rule NAMES  without the messages of these rules\n"
@@ -41,10 +41,10 @@ static const char usage[] =
 
 #define GO_ON (-1)
 
-enum { OPTION_EDS = 256, OPTION_STRICT, OPTION_RULE, OPTION_NO_RULE, OPTION_LIST, OPTION_JSON };
+enum { OPTION_STRICT = 256, OPTION_RULE, OPTION_NO_RULE, OPTION_LIST, OPTION_JSON };
 
 static const struct option options[] = {
-    { "eds", required_argument, NULL, OPTION_EDS },
+    { "eds", required_argument, NULL, 'e' },
     { "strict", no_argument, NULL, OPTION_STRICT },
     { "rule", required_argument, NULL, OPTION_RULE },
     { "no-rule", required_argument, NULL, OPTION_NO_RULE },
@@ -145,7 +145,7 @@ static bool add_eds(struct audit *self, char *argument)
 static int take_option(struct check *self, int option, bool *list)
 {
     switch (option) {
-    case OPTION_EDS: return add_eds(&self->audit, optarg) ? GO_ON : EXIT_USAGE;
+    case 'e': return add_eds(&self->audit, optarg) ? GO_ON : EXIT_USAGE;
     case OPTION_STRICT: self->strict = true; break;
     case OPTION_RULE: return rule_choice_add(&self->rules, "--rule", optarg) ? GO_ON : EXIT_USAGE;
     case OPTION_NO_RULE:
@@ -168,7 +168,7 @@ static int parse(struct check *self, int argc, char **argv)
         fputs(usage, stderr);
         return EXIT_USAGE;
     }
-    while ((option = getopt_long(argc, argv, "qh", options, NULL)) != -1) {
+    while ((option = getopt_long(argc, argv, "e:qh", options, NULL)) != -1) {
         const int result = take_option(self, option, &list);
 
         if (result != GO_ON)

@@ -3,6 +3,7 @@
 #include "support/suite.h"
 
 #define COMMISSIONED(rest) "[DeviceComissioning]\nNodeID=5\n" rest
+#define DEVICE_TYPE(value) "[1000]\nDefaultValue=" value "\n"
 #define CONSUMERS(one, two)                                                                        \
     ARRAY_OF("1016", 3)                                                                            \
     VALUE("1016sub0", "5", "ro", "2")                                                              \
@@ -35,6 +36,16 @@ static const struct lint_row devices_rows[] = {
     { "the EDS of an EDS", "[FileInfo]\nLastEDS=a.eds\n",
       "2 last-eds: [FileInfo] LastEDS: expected in a DCF only, this file has no "
       "[DeviceComissioning]\n" },
+    { "inputs and outputs",
+      DEVICE_TYPE("0x30191") VALUE("6000", "5", "ro", "0") VALUE("6200", "5", "ro", "0"), "" },
+    { "an output less", DEVICE_TYPE("0x30191") VALUE("6000", "5", "ro", "0"),
+      "2 profile-object: 1000h: an object 6200h (digital outputs) expected for device type "
+      "0x30191, it is missing\n" },
+    { "a drive", DEVICE_TYPE("0x20192") VALUE("6040", "6", "rw", "0") VALUE("6041", "6", "ro", "0"),
+      "" },
+    { "a drive without controlword", DEVICE_TYPE("0x20192") VALUE("6041", "6", "ro", "0"),
+      "2 profile-object: 1000h: an object 6040h (controlword) expected for device type 0x20192, it "
+      "is missing\n" },
     { "heartbeat, and guarding that is off", GUARDING("0", "3"), "" },
     { "heartbeat and guarding", GUARDING("100", "3"),
       "5 heartbeat-and-guarding: 100Ch: 0 expected where there is a heartbeat (1017h is 1000 ms), "

@@ -61,7 +61,7 @@ static int create_node(void)
 {
     const SLAVE_NODE_INFO info = { .ulOptions = PRODUCER_HEARTBEAT,
                                    .usProducerHbTime = 200,
-                                   .ulDeviceType = 0x00030191,
+                                   .ulDeviceType = 0x00030000,
                                    .ucMaxIdentityObject = 2,
                                    .ulVendorId = 0x1A0000EE,
                                    .ulProductCode = 0x6320,

@@ -71,6 +71,38 @@ static void check_manager(const struct dcf_lint *self)
                  "is 1");
 }
 
+/* --- what its profile asks for --- */
+
+static const struct duty {
+    uint16_t profile;
+    uint32_t ability; /* a bit of the device type; 0: all of this profile */
+    uint16_t index;
+    const char *name;
+} duties[] = {
+    { 401, 0x10000, 0x6000, "digital inputs" },  { 401, 0x20000, 0x6200, "digital outputs" },
+    { 401, 0x40000, 0x6401, "analogue inputs" }, { 401, 0x80000, 0x6411, "analogue outputs" },
+    { 402, 0, 0x6040, "controlword" },           { 402, 0, 0x6041, "statusword" },
+};
+
+static void check_profile(const struct dcf_lint *self)
+{
+    uint64_t type;
+    unsigned line;
+
+    if (!effective_number(self, 0x1000, 0, &type, &line))
+        return;
+    for (size_t i = 0; i < sizeof duties / sizeof duties[0]; i++) {
+        const struct duty *duty = &duties[i];
+
+        if ((type & 0xFFFF) != duty->profile || (type & duty->ability) != duty->ability ||
+            dcf_has_object(self->dcf, duty->index))
+            continue;
+        dcf_tell(self->report, DCF_RULE_PROFILE_OBJECT, line,
+                 "1000h: an object %04Xh (%s) expected for device type 0x%lX, it is missing",
+                 duty->index, duty->name, (unsigned long)type);
+    }
+}
+
 /* --- error control --- */
 
 static void check_error_control(const struct dcf_lint *self)
@@ -156,6 +188,7 @@ void dcf_lint_device(const struct dcf_lint *self)
     check_identity(self, 3, "RevisionNumber", dcf->revision_number_line, dcf->revision_number);
     check_bit_rates(self);
     check_manager(self);
+    check_profile(self);
     check_error_control(self);
     check_consumers(self);
     check_sync(self);

@@ -2,7 +2,7 @@
 import subprocess
 
 import plant
-from devices import UNSIGNED8, Entry, dcf, standard
+from devices import UNSIGNED8, UNSIGNED16, Entry, dcf, standard
 
 DCFTEST = str(plant.TOOLS / "dcftest")
 CLEAN, ERRORS, TROUBLE, NO_BUS = 0, 1, 2, 3
@@ -10,7 +10,8 @@ CLEAN, ERRORS, TROUBLE, NO_BUS = 0, 1, 2, 3
 
 def device(node=5, **values):
     """A file without a fault."""
-    return dcf(node, [*standard(5), Entry(0x2000, UNSIGNED8, 0, "rw", values.get("value"))])
+    drive = [Entry(0x6040, UNSIGNED16, 0, "rw"), Entry(0x6041, UNSIGNED16, 0, "ro")]
+    return dcf(node, [*standard(5), Entry(0x2000, UNSIGNED8, 0, "rw", values.get("value")), *drive])
 
 
 def with_error():

@@ -248,13 +248,6 @@ static const struct {
     { "an array of nothing", OBJECT("2000", "[2000]\nParameterName=x\nObjectType=8\nSubNumber=2\n"),
       "63: warning: [2000] SubNumber: 0 expected (so many sub-index sections are there), it is "
       "2\n" },
-    { "an array with what belongs to its sub-indices",
-      OBJECT("2000", "[2000]\nParameterName=x\nObjectType=8\nSubNumber=1\nDataType=7\nLowLimit=\n"
-                     "PDOMapping=0\nDefaultValue=1\n" VAR("2000sub0", "5", "ro")),
-      "67: warning: [2000] DataType: expected in the sections of its sub-indices, it is here: "
-      "ignored\n"
-      "70: warning: [2000] DefaultValue: expected in the sections of its sub-indices, it is here: "
-      "ignored\n" },
     { "compact and not",
       OBJECT("2000", "[2000]\nParameterName=x\nObjectType=8\nSubNumber=1\nCompactSubObj=3\n" VAR(
                          "2000sub0", "5", "ro")),

@@ -156,31 +156,15 @@ static void check_subs(struct dcf_builder *self, const struct group *group)
                  object_name(object).text);
 }
 
-/* One that says what it would say anyway is not worth a word. */
-static void refuse_key(struct dcf_builder *self, struct dcf_section *section, const char *name,
-                       const char *owner)
-{
-    const struct dcf_key *key = dcf_section_find(section, name);
-    unsigned number;
-
-    if (!key || (dcf_slice_decimal(key->value, 0, &number)))
-        return;
-    dcf_tell(self->report, DCF_RULE_KEY_OF_OTHERS, key->line,
-             "[%s] %s: expected in the sections of %s, it is here: ignored",
-             dcf_show(section->name).text, name, owner);
-}
-
 static void build_structure(struct dcf_builder *self, struct group *group)
 {
-    static const char *const not_needed[] = { "ParameterName", "ObjFlags", "Denotation",
+    static const char *const not_needed[] = { "ParameterName", "DataType",   "AccessType",
+                                              "DefaultValue",  "PDOMapping", "LowLimit",
+                                              "HighLimit",     "ObjFlags",   "Denotation",
                                               "ParamRefd" };
-    static const char *const of_subs[] = { "DataType",   "AccessType", "DefaultValue",
-                                           "PDOMapping", "LowLimit",   "HighLimit" };
 
     for (size_t i = 0; i < sizeof not_needed / sizeof not_needed[0]; i++)
         dcf_section_find(group->object, not_needed[i]);
-    for (size_t i = 0; i < sizeof of_subs / sizeof of_subs[0]; i++)
-        refuse_key(self, group->object, of_subs[i], "its sub-indices");
     check_subs(self, group);
     for (size_t i = 0; i < group->sub_count; i++)
         build_sub(self, group, &group->subs[i]);

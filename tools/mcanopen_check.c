@@ -25,7 +25,10 @@ static const char usage[] =
     "will not boot, or not work; a warning: doubtful; an info: worth to know. Then come a table\n"
     "of the nodes, and estimates of bus load and boot time.\n"
     "\n"
-    "  -e, --eds NODE=FILE  the EDS of a node with a CCF_File, or without a file\n"
+    "  -e, --eds NODE=FILE  the EDS of a node: describes one with a CCF_File, or without a file;\n"
+    "                       a DCF_File is compared with it\n"
+    "      --files          all that dcftest has to tell about the files of nodes, not only how\n"
+    "                       many warnings there are\n"
     "      --strict         warnings count as errors\n"
     "      --rule NAMES     of the warnings and infos these rules' alone: --rule no-sync,bus-load\n"
     "      --no-rule NAMES  without the messages of these rules\n"
@@ -41,10 +44,11 @@ static const char usage[] =
 
 #define GO_ON (-1)
 
-enum { OPTION_STRICT = 256, OPTION_RULE, OPTION_NO_RULE, OPTION_LIST, OPTION_JSON };
+enum { OPTION_FILES = 256, OPTION_STRICT, OPTION_RULE, OPTION_NO_RULE, OPTION_LIST, OPTION_JSON };
 
 static const struct option options[] = {
     { "eds", required_argument, NULL, 'e' },
+    { "files", no_argument, NULL, OPTION_FILES },
     { "strict", no_argument, NULL, OPTION_STRICT },
     { "rule", required_argument, NULL, OPTION_RULE },
     { "no-rule", required_argument, NULL, OPTION_NO_RULE },
@@ -74,6 +78,8 @@ static void take_message(void *context, const struct co_message *message)
 {
     struct check *self = context;
 
+    if (self->audit.tells_files && message->rule == &load_file_warnings)
+        return;
     if (!rule_choice_has(&self->rules, message))
         return;
     self->errors += message->severity == CO_ERROR;
@@ -142,14 +148,11 @@ static bool add_eds(struct audit *self, char *argument)
     return true;
 }
 
-static int take_option(struct check *self, int option, bool *list)
+static int take_switch(struct check *self, int option, bool *list)
 {
     switch (option) {
-    case 'e': return add_eds(&self->audit, optarg) ? GO_ON : EXIT_USAGE;
+    case OPTION_FILES: self->audit.tells_files = true; break;
     case OPTION_STRICT: self->strict = true; break;
-    case OPTION_RULE: return rule_choice_add(&self->rules, "--rule", optarg) ? GO_ON : EXIT_USAGE;
-    case OPTION_NO_RULE:
-        return rule_choice_add(&self->rules, "--no-rule", optarg) ? GO_ON : EXIT_USAGE;
     case OPTION_LIST: *list = true; break;
     case OPTION_JSON: self->json = true; break;
     case 'q': self->quiet++; break;
@@ -157,6 +160,17 @@ static int take_option(struct check *self, int option, bool *list)
     default: fputs("Try 'mcanopen check --help'.\n", stderr); return EXIT_USAGE;
     }
     return GO_ON;
+}
+
+static int take_option(struct check *self, int option, bool *list)
+{
+    switch (option) {
+    case 'e': return add_eds(&self->audit, optarg) ? GO_ON : EXIT_USAGE;
+    case OPTION_RULE: return rule_choice_add(&self->rules, "--rule", optarg) ? GO_ON : EXIT_USAGE;
+    case OPTION_NO_RULE:
+        return rule_choice_add(&self->rules, "--no-rule", optarg) ? GO_ON : EXIT_USAGE;
+    default: return take_switch(self, option, list);
+    }
 }
 
 static int parse(struct check *self, int argc, char **argv)
@@ -193,10 +207,7 @@ static bool check_eds_used(const struct audit *self)
     for (size_t i = 0; i < self->eds_count; i++) {
         if (self->eds[i].used)
             continue;
-        fprintf(stderr,
-                "mcanopen check: --eds %u: there is no such node, or it has a DCF_File, which "
-                "describes it\n",
-                self->eds[i].node);
+        fprintf(stderr, "mcanopen check: --eds %u: there is no such node\n", self->eds[i].node);
         good = false;
     }
     return good;

@@ -252,6 +252,22 @@ class Output(Check):
         wrong = self.check("--rule", "heartbeat-tim", xml, code=USAGE)
         self.assertIn('no rule "heartbeat-tim"; did you mean heartbeat-time?', wrong.err.text())
 
+    def test_files(self):
+        """--files tells what dcftest does, --eds compares a DCF"""
+        xml = self.write_plant()
+        text = (self.folder / "six.dcf").read_text(encoding="utf-8")
+        self.write("six.dcf", text.replace("[DummyUsage]", "# a comment\n[DummyUsage]"))
+        self.write("six.eds", text.replace("DefaultValue=0x20192", "DefaultValue=0x20193"))
+        plain = self.check(xml).out.text()
+        self.assertEqual(plain.count("[file-warnings]"), 1)
+        told = self.check("--files", xml).out.lines
+        dcftest = self.run_command([plant.TOOLS / "dcftest", "six.dcf"], self.folder)
+        self.assertTrue(dcftest.out.lines)
+        for line in dcftest.out.lines:
+            self.assertIn(line, told)
+        self.assertNotIn("[file-warnings]", "\n".join(told))
+        self.assertIn("[eds-", self.check("--eds", "6=six.eds", xml).out.text())
+
     def test_documented(self):
         """docs/check.md has each rule with its severity"""
         rules = json.loads(self.check("--list-rules", "--json").out.text())
@@ -268,8 +284,7 @@ class Output(Check):
         self.write_plant()
         for arguments in ([], ["--nonsense"], ["a.xml", "b.xml"], ["--eds", "6", "network.xml"],
                           ["--eds", "128=six.dcf", "network.xml"],
-                          ["--eds", "7=six.dcf", "network.xml"],
-                          ["--eds", "6=six.dcf", "network.xml"]):
+                          ["--eds", "7=six.dcf", "network.xml"]):
             process = self.check(*arguments, code=USAGE)
             self.assertTrue(process.err.lines, arguments)
         self.assertIn("Usage: mcanopen check", self.check("--help").out.text())

@@ -6,7 +6,7 @@ import os
 import subprocess
 
 import plant
-from devices import UNSIGNED8, VISIBLE_STRING, Entry, dcf, standard
+from devices import UNSIGNED8, VISIBLE_STRING, Entry, dcf, network, node, standard
 
 FAIL = plant.TOOLS.parent / "tests" / "libfail_malloc.so"
 FAILED = b"<allocation failed>\n"
@@ -56,6 +56,12 @@ class WithoutMemory(plant.PlantTest):
     def test_dcf2ccf(self):
         self.fail_each("dcf2ccf", "a.dcf", "b.ccf")
         self.fail_each("dcf2ccf", "a.dcf", "-")
+
+    def test_check(self):
+        self.write("network.xml", network([node(5, DCF_File="a.dcf"), node(6, CCF_File="a.ccf")]))
+        eds = ("--eds", "6=a.dcf")
+        self.fail_each("mcanopen", "check", *eds, "network.xml", step=3)
+        self.fail_each("mcanopen", "check", "--json", *eds, "network.xml", step=13)
 
     def test_ccfread(self):
         self.fail_each("ccfread", "a.ccf")

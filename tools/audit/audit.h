@@ -10,7 +10,8 @@
  * DefaultValues of its EDS or DCF. Where neither is there a value is not known, and what depends on
  * it is not judged.
  *
- * Only audit_open() reads files; the checks look at what it has made of them.
+ * Only audit_open() reads files (audit_open.c, audit_files.c); the checks look at what it has made
+ * of them.
  *
  *   owner    a tool, or a test
  *   locking  none
@@ -149,7 +150,7 @@ struct audit_network {
 struct audit_eds { /* --eds NODE=FILE */
     uint8_t node;
     const char *file;
-    bool used;
+    bool used; /* there is such a node */
 };
 
 struct audit {
@@ -157,7 +158,8 @@ struct audit {
     struct co_report *report;
     struct audit_eds *eds; /* the caller's */
     size_t eds_count;
-    void *doc; /* the XML file once more, for the lines of its elements */
+    bool tells_files; /* all warnings about the files of nodes, not only their number */
+    void *doc;        /* the XML file once more, for the lines of its elements */
     struct network_config *configs;
     struct audit_network *networks;
     size_t count;
@@ -166,13 +168,19 @@ struct audit {
 /*
  * Reads the XML file and the files of all nodes; what is wrong goes to the report. False: there is
  * no network to look at (the XML file cannot be read, or has errors, or no memory); nothing is to
- * be closed then. xml_path, report, eds and eds_count are set by the caller.
+ * be closed then. xml_path, report, eds, eds_count and tells_files are set by the caller.
  */
 bool audit_open(struct audit *self);
 void audit_close(struct audit *self);
 
 /* All checks, and the estimates. False: no memory. */
 bool audit_run(struct audit *self);
+
+/* For audit_open(). False: no memory. */
+/* All that dcftest has to tell about the file that describes the device, once for each file. */
+bool audit_tell_file(const struct audit_node *self);
+/* Its DCF against the EDS of the device. */
+bool audit_compare_file(const struct audit_node *self, const char *eds_file);
 
 /* --- what the checks use --- */
 

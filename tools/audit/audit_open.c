@@ -116,20 +116,26 @@ static struct audit_eds *find_eds(const struct audit_node *self)
     return NULL;
 }
 
-static bool describe_by_eds(struct audit_node *self)
+static bool describe_by_eds(struct audit_node *self, const char *file)
 {
-    struct audit_eds *eds = self->described ? NULL : find_eds(self);
     int result;
+
+    self->description_file = strdup(file);
+    if (!self->description_file)
+        return false;
+    result = load_dcf(file, self->network->report, &self->description);
+    self->described = result == MCANOPEN_OK;
+    return result != CANOPEN_DCF_OUT_OF_MEMORY;
+}
+
+static bool use_eds(struct audit_node *self)
+{
+    struct audit_eds *eds = find_eds(self);
 
     if (!eds)
         return true;
     eds->used = true;
-    self->description_file = strdup(eds->file);
-    if (!self->description_file)
-        return false;
-    result = load_dcf(self->description_file, self->network->report, &self->description);
-    self->described = result == MCANOPEN_OK;
-    return result != CANOPEN_DCF_OUT_OF_MEMORY;
+    return self->described ? audit_compare_file(self, eds->file) : describe_by_eds(self, eds->file);
 }
 
 static bool find_file(struct audit_node *self)
@@ -161,7 +167,7 @@ static bool read_node(struct audit_node *self)
         if (!self->description_file || (!self->configured && !guess_writes(self)))
             return false;
     }
-    return describe_by_eds(self) && index_writes(self);
+    return use_eds(self) && (!audit->tells_files || audit_tell_file(self)) && index_writes(self);
 }
 
 /* --- the file --- */
@@ -225,8 +231,16 @@ static bool read_lines(struct audit *self)
     return !faults.no_memory;
 }
 
+static bool refuse(struct audit *self)
+{
+    self->report->file = self->xml_path;
+    co_report_add(self->report, CO_ERROR, 0, "not checked: %s", co_err_text(CO_ERR_MEMORY));
+    return false;
+}
+
 bool audit_open(struct audit *self)
 {
+    const unsigned errors = self->report->errors;
     size_t count = 0;
 
     self->doc = NULL;
@@ -234,14 +248,12 @@ bool audit_open(struct audit *self)
     self->networks = NULL;
     self->count = 0;
     if (load_xml(self->xml_path, self->report, &self->configs, &count) != MCANOPEN_OK)
-        return false;
+        return self->report->errors == errors && refuse(self);
     self->count = count;
     if (read_lines(self) && open_networks(self, count))
         return true;
-    self->report->file = self->xml_path;
-    co_report_add(self->report, CO_ERROR, 0, "not checked: %s", co_err_text(CO_ERR_MEMORY));
     audit_close(self);
-    return false;
+    return refuse(self);
 }
 
 static void close_network(struct audit_network *self)

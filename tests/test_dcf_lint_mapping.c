@@ -185,6 +185,11 @@ static const struct lint_row abilities_rows[] = {
           VALUE("1600sub1", "7", "ro", "0x20000008") U8_TARGET "[DeviceInfo]\nGranularity=8\n",
       "40 granularity: [DeviceInfo] Granularity: 0 expected (no mapping can be changed, 1600h is "
       "read-only), there is 8\n" },
+    { "not all of a fixed mapping",
+      RPDO RECORD_OF("1600", 3) VALUE("1600sub0", "5", "const", "1")
+          VALUE("1600sub1", "7", "ro", "0x20000008") VALUE("1600sub2", "7", "ro", "0x20000008")
+              U8_TARGET "[DeviceInfo]\nGranularity=0\n",
+      "28 sub-0-default: 1600h:00 DefaultValue: 2 expected (the highest sub-index), there is 1\n" },
     { "for a TPDO that is not there",
       RPDO MAPPING("1600", D("0"), D("0"), D("0")) TARGET("2000", "5", "ro", "1")
           TARGET("2001", "5", "rwr", "1"),

@@ -60,6 +60,10 @@ static const struct lint_row parameters_rows[] = {
       "29 event-and-inhibit: 1800h:05: an event timer not below the inhibit time (1001 x 100 us) "
       "expected, there are 100 ms\n" },
     { "a start value", START("240"), "" },
+    { "a start value to which the counter comes", START("10") VALUE("1019", "5", "rw", "10"), "" },
+    { "a start value to which the counter does not come",
+      START("11") VALUE("1019", "5", "rw", "10"),
+      "24 sync-start: 1800h:06: a SYNC start value of 0..10 expected (1019h), there is 11\n" },
     { "a start value that is too high", START("241"),
       "24 sync-start: 1800h:06: a SYNC start value of 0..240 expected, there is 241\n" },
 };

@@ -19,6 +19,11 @@ bool dcf_lint_is_communication(uint16_t index)
     return (index >= 0x1400 && index <= 0x15FF) || (index >= 0x1800 && index <= 0x19FF);
 }
 
+bool dcf_lint_is_writable(const struct dcf_entry *entry)
+{
+    return entry->access != OD_RO && entry->access != OD_CONST;
+}
+
 bool dcf_lint_number(const struct dcf_lint *self, const struct dcf_entry *entry,
                      const struct dcf_value *value, uint64_t *ret_number)
 {

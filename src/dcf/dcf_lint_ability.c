@@ -12,16 +12,11 @@ struct ability {
 
 enum { FOR_TPDO, FOR_RPDO };
 
-static bool is_writable(const struct dcf_entry *entry)
-{
-    return entry->access != OD_RO && entry->access != OD_CONST;
-}
-
 static void look_at_pdo(struct ability *self, const struct dcf_entry *entry)
 {
     if (!self->mapping)
         self->mapping = entry;
-    if (!self->writable && entry->sub > 0 && is_writable(entry))
+    if (!self->writable && entry->sub > 0 && dcf_lint_is_writable(entry))
         self->writable = entry;
 }
 

@@ -122,11 +122,6 @@ static void check_object_type(const struct dcf_lint *self, const struct dcf_entr
              object_type_name(first->object_type));
 }
 
-static bool is_writable(const struct dcf_entry *entry)
-{
-    return entry->access != OD_RO && entry->access != OD_CONST;
-}
-
 /* Once for the sub-indices from .. to: what is wrong with one of an array is so with all. */
 static void check_types(const struct dcf_lint *self, const struct dcf_lint_object *object,
                         unsigned from, unsigned to, uint8_t type)
@@ -149,7 +144,7 @@ static void check_access(const struct dcf_lint *self, const struct dcf_lint_obje
     for (size_t i = 0; i < object->count; i++) {
         const struct dcf_entry *entry = &object->entries[i];
 
-        if (entry->sub < from || !is_writable(entry))
+        if (entry->sub < from || !dcf_lint_is_writable(entry))
             continue;
         dcf_tell(self->report, DCF_RULE_KNOWN_ACCESS, entry->line,
                  "%04Xh:%02X AccessType: ro or const expected (%s), there is %s", entry->index,

@@ -269,15 +269,10 @@ static bool is_configured(const struct mapping *self)
     return cob_id && cob_id->parameter.given;
 }
 
-static bool is_writable(const struct dcf_entry *entry)
-{
-    return entry->access != OD_RO && entry->access != OD_CONST;
-}
-
 static const struct dcf_entry *first_writable(const struct dcf_lint_object *object)
 {
     for (size_t i = 0; i < object->count; i++) {
-        if (object->entries[i].sub > 0 && is_writable(&object->entries[i]))
+        if (object->entries[i].sub > 0 && dcf_lint_is_writable(&object->entries[i]))
             return &object->entries[i];
     }
     return NULL;
@@ -290,12 +285,12 @@ static void check_access(const struct dcf_lint *self, const struct dcf_lint_obje
     const struct dcf_entry *cob_id = dcf_find(self->dcf, (uint16_t)(first->index - MAPPING_OFFSET),
                                               1);
 
-    if (writable && first->sub == 0 && !is_writable(first))
+    if (writable && first->sub == 0 && !dcf_lint_is_writable(first))
         dcf_tell(self->report, DCF_RULE_MAPPING_ACCESS, first->line,
                  "%04Xh:00: a writable number of mapped objects expected (%02X is %s), it is %s",
                  first->index, writable->sub, dcf_access_text(writable->access),
                  dcf_access_text(first->access));
-    if (writable && cob_id && !is_writable(cob_id))
+    if (writable && cob_id && !dcf_lint_is_writable(cob_id))
         dcf_tell(self->report, DCF_RULE_MAPPING_COB_ID, cob_id->line,
                  "%04Xh:01: a writable COB-ID expected (%04Xh:%02X is %s), it is %s", cob_id->index,
                  writable->index, writable->sub, dcf_access_text(writable->access),

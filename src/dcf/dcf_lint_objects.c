@@ -33,7 +33,17 @@ static bool has_subs(const struct dcf_lint_object *object)
 /* One that can be written tells how many are in use. */
 static bool counts_used(const struct dcf_entry *first, unsigned highest)
 {
-    return first->access != OD_RO && first->access != OD_CONST && first->initial.bytes[0] < highest;
+    return dcf_lint_is_writable(first) && first->initial.bytes[0] < highest;
+}
+
+/* What a mapping has in sub-index 0 is how much of it is used; all of one that is fixed. */
+static bool is_part_used(const struct dcf_lint *self, const struct dcf_lint_object *object)
+{
+    const struct dcf_entry *entries = object->entries;
+    bool fixed = self->dcf->granularity_line != 0 && self->dcf->granularity == 0 &&
+                 !dcf_lint_is_writable(&entries[0]) && !dcf_lint_is_writable(&entries[1]);
+
+    return dcf_lint_is_mapping(entries->index) && !fixed;
 }
 
 static void check_highest_sub(const struct dcf_lint *self, const struct dcf_lint_object *object)
@@ -42,7 +52,7 @@ static void check_highest_sub(const struct dcf_lint *self, const struct dcf_lint
     bool errors = first->index == ERROR_FIELD;
     unsigned expected = errors ? 0 : highest_sub(object);
 
-    if (dcf_lint_is_mapping(first->index))
+    if (is_part_used(self, object))
         return;
     if (!first->initial.given) {
         if (!errors)

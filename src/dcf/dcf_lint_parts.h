@@ -41,6 +41,8 @@ bool dcf_lint_first(const struct dcf_lint *self, struct dcf_lint_object *ret_obj
                     uint16_t index);
 bool dcf_lint_next(const struct dcf_lint *self, struct dcf_lint_object *object);
 
+bool dcf_lint_is_writable(const struct dcf_entry *entry);
+
 /* The entry of a sub-index, or NULL. */
 const struct dcf_entry *dcf_lint_sub(const struct dcf_lint_object *object, unsigned sub);
 

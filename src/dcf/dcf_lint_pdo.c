@@ -79,10 +79,18 @@ static void check_times(const struct pdo *self)
 
 static void check_start(const struct pdo *self)
 {
-    uint64_t start;
+    const struct dcf_entry *overflow = dcf_find(self->lint->dcf, 0x1019, 0);
+    uint64_t start, counts;
     unsigned line;
 
-    if (effective(self, 6, &start, &line) && start > SYNC_LAST)
+    if (!effective(self, 6, &start, &line) || start == 0)
+        return;
+    if (overflow && dcf_lint_number(self->lint, overflow, dcf_lint_effective(overflow), &counts) &&
+        counts > 1 && start > counts)
+        dcf_tell(self->lint->report, DCF_RULE_SYNC_START, line,
+                 "%04Xh:06: a SYNC start value of 0..%u expected (1019h), there is %u", self->index,
+                 (unsigned)counts, (unsigned)start);
+    else if (start > SYNC_LAST)
         dcf_tell(self->lint->report, DCF_RULE_SYNC_START, line,
                  "%04Xh:06: a SYNC start value of 0..240 expected, there is %u", self->index,
                  (unsigned)start);

@@ -27,6 +27,8 @@ static const struct lint_row objects_rows[] = {
       RECORD_OF("1029", 2) VALUE("1029sub0", "5", "ro", "1") VALUE("1029sub1", "5", "rw", "0"),
       "5 known-object-type: 1029h ObjectType: 8 (ARRAY) expected (CiA 301), there is 9 "
       "(RECORD)\n" },
+    { "no sub-index 0, which alone knows the object's type",
+      ARRAY_OF("1029", 1) VALUE("1029sub1", "5", "rw", "0"), "" },
     { "an EDS", ENTRY("1021", "15", "ro", "ObjectType=2"), "" },
     { "an EDS as VAR", ENTRY("1021", "15", "ro", ""), "" },
     { "an EDS that can be written", ENTRY("1021", "15", "rw", ""),

@@ -114,7 +114,7 @@ static bool is_as_good(const struct dcf_entry *first, const struct known *should
 static void check_object_type(const struct dcf_lint *self, const struct dcf_entry *first,
                               const struct known *should)
 {
-    if (first->object_type == should->object_type || is_as_good(first, should))
+    if (first->sub != 0 || first->object_type == should->object_type || is_as_good(first, should))
         return;
     dcf_tell(self->report, DCF_RULE_KNOWN_OBJECT_TYPE, first->line,
              "%04Xh ObjectType: %s expected (%s), there is %s", first->index,

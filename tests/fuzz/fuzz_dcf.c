@@ -97,6 +97,16 @@ static void check_lint(const struct dcf *dcf)
         abort();
 }
 
+/* A file does not differ from itself. */
+static void check_compare(const struct dcf *dcf)
+{
+    struct co_report report = { .file = "fuzz" };
+
+    dcf_compare(dcf, dcf, &report);
+    if (report.errors > 0 || report.warnings > 0)
+        abort();
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     struct co_report report = { .file = "fuzz" };
@@ -113,6 +123,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     check_ccf(&dcf, false, true);
     check_od(&dcf);
     check_lint(&dcf);
+    check_compare(&dcf);
     dcf_done(&dcf);
     return 0;
 }

@@ -59,7 +59,7 @@ static int parse_dcf(const char *path, const char *text, size_t size, struct co_
 
     own.sink = report->sink;
     own.context = report->context;
-    if (warnings > 0)
+    if (warnings > 0 && err == CO_OK)
         co_report_rule(&own, &load_file_warnings, 0,
                        "%u warning%s about this file, which is used as far as it is understood: "
                        "\"dcftest %s\" shows them",

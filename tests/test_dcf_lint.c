@@ -34,6 +34,12 @@ static const struct lint_row rows[] = {
     { "errors to begin with",
       ARRAY_OF("1003", 2) VALUE("1003sub0", "5", "rw", "1") VALUE("1003sub1", "7", "ro", "0"),
       "9 sub-0-default: 1003h:00 DefaultValue: 0 expected (no errors), there is 1\n" },
+    { "a record that is called an array",
+      ARRAY_OF("1280", 4) VALUE("1280sub0", "5", "const", "3")
+          VALUE("1280sub1", "7", "rw", "0x80000000") VALUE("1280sub2", "7", "rw", "0x80000000")
+              VALUE("1280sub3", "5", "rw", "3"),
+      "5 known-object-type: 1280h ObjectType: 9 (RECORD) expected (CiA 301), there is 8 "
+      "(ARRAY)\n" },
     { "an array of two types",
       ARRAY_OF("2000", 4) VALUE("2000sub0", "5", "ro", "3") VALUE("2000sub1", "7", "rw", "0")
           VALUE("2000sub2", "6", "rw", "0") VALUE("2000sub3", "6", "rw", "0"),

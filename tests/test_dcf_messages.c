@@ -224,6 +224,9 @@ static const struct {
                  VAR("2000sub2", "5", "ro") VAR("2000subFF", "7", "ro")),
       "63: warning: [2000] SubNumber: 2 expected (so many sub-index sections are there), it is "
       "3\n" },
+    { "no sub-indices", OBJECT("2000", "[2000]\nParameterName=x\nObjectType=8\n"),
+      "63: warning: [2000]: sections for its sub-indices expected, there are none: nothing of it "
+      "is used\n" },
     { "no sub-index 0",
       OBJECT("2000",
              "[2000]\nParameterName=x\nObjectType=8\nSubNumber=1\n" VAR("2000sub1", "5", "ro")),
@@ -293,10 +296,10 @@ static const struct {
       "65: warning: [DeviceInfo] NrOfTXPDO: expected once, it is also in line 28: \"2\" counts, "
       "not "
       "\"0\"\n"
-      " warning: [DeviceInfo] NrOfRXPDO: 0 expected (so many communication parameters are there), "
-      "it is 1\n"
-      " warning: [DeviceInfo] NrOfTXPDO: 0 expected (so many communication parameters are there), "
-      "it is 2\n" },
+      "64: warning: [DeviceInfo] NrOfRXPDO: 0 expected (so many communication parameters are "
+      "there), it is 1\n"
+      "65: warning: [DeviceInfo] NrOfTXPDO: 0 expected (so many communication parameters are "
+      "there), it is 2\n" },
     { "no node-ID, no bit rate", COMMISSIONING("NodeID=\n"),
       "63: warning: [DeviceComissioning] NodeID: 1..127 expected, it is missing or empty\n"
       "63: warning: [DeviceComissioning] Baudrate: 10, 20, 50, 125, 250, 500, 800 or 1000 "

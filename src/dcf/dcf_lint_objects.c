@@ -2,6 +2,7 @@
 #include "dcf/dcf_lint_parts.h"
 
 #define OBJECT_ARRAY 8u
+#define FIRST_OWN    0x2000u
 
 #define ERROR_FIELD   0x1003u
 #define STRUCTURE_SUB 0xFFu
@@ -66,12 +67,15 @@ static void check_highest_sub(const struct dcf_lint *self, const struct dcf_lint
     }
 }
 
-/* Once for an object: an array of 254 of another type is one fault. */
+/*
+ * Once for an object: an array of 254 of another type is one fault. What CiA 301 and 302 describe
+ * is compared with that: a record that is called an array has other types by right.
+ */
 static void check_array(const struct dcf_lint *self, const struct dcf_lint_object *object)
 {
     const struct dcf_entry *entries = object->entries;
 
-    if (entries[0].object_type != OBJECT_ARRAY)
+    if (entries[0].object_type != OBJECT_ARRAY || entries[0].index < FIRST_OWN)
         return;
     for (size_t i = 2; i < object->count && entries[i].sub != STRUCTURE_SUB; i++) {
         if (entries[i].type == entries[1].type)

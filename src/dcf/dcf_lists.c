@@ -129,23 +129,27 @@ static void check_mandatory(struct dcf_builder *self)
     }
 }
 
-static void check_pdo_count(struct dcf_builder *self, const char *name, uint16_t first,
+/* A key that is missing has been told. */
+static void check_pdo_count(struct dcf_builder *self, const struct dcf_key *key, uint16_t first,
                             unsigned announced)
 {
     unsigned count = 0;
 
+    if (!key)
+        return;
     for (unsigned i = 0; i < PDOS_MAX; i++)
         count += dcf_has_object(self->dcf, (uint16_t)(first + i));
     if (count != announced)
-        dcf_tell(self->report, DCF_RULE_PDO_COUNT, 0,
+        dcf_tell(self->report, DCF_RULE_PDO_COUNT, key->line,
                  "[DeviceInfo] %s: %u expected (so many communication parameters are there), "
                  "it is %u",
-                 name, count, announced);
+                 dcf_show(key->name).text, count, announced);
 }
 
 void dcf_check_lists(struct dcf_builder *self)
 {
     struct place *places = calloc((size_t)UINT16_MAX + 1, sizeof *places);
+    struct dcf_section *info = dcf_text_find(&self->text, DCF_SECTION_DEVICE_INFO);
 
     if (!places) {
         self->no_memory = true;
@@ -162,8 +166,8 @@ void dcf_check_lists(struct dcf_builder *self)
     check_sections(self, places);
     free(places);
     check_mandatory(self);
-    if (dcf_text_find(&self->text, DCF_SECTION_DEVICE_INFO)) {
-        check_pdo_count(self, "NrOfRXPDO", 0x1400, self->dcf->rx_pdos);
-        check_pdo_count(self, "NrOfTXPDO", 0x1800, self->dcf->tx_pdos);
+    if (info) {
+        check_pdo_count(self, dcf_section_find(info, "NrOfRXPDO"), 0x1400, self->dcf->rx_pdos);
+        check_pdo_count(self, dcf_section_find(info, "NrOfTXPDO"), 0x1800, self->dcf->tx_pdos);
     }
 }

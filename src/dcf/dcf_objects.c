@@ -150,6 +150,11 @@ static void check_subs(struct dcf_builder *self, const struct group *group)
                  "[%s] SubNumber: %zu expected (so many sub-index sections are there), it is "
                  "%lu",
                  dcf_show(object->name).text, count, (unsigned long)announced);
+    else if (count == 0)
+        dcf_tell(self->report, DCF_RULE_SUBS_MISSING, object->line,
+                 "[%s]: sections for its sub-indices expected, there are none: nothing of it is "
+                 "used",
+                 dcf_show(object->name).text);
     if (count > 0 && group->subs[0].sub != 0)
         dcf_tell(self->report, DCF_RULE_SUB_0_MISSING, object->line,
                  "[%s]: a section [%ssub0] expected, it is missing", dcf_show(object->name).text,

@@ -279,5 +279,8 @@ void audit_close(struct audit *self)
     free(self->networks);
     network_config_free(self->configs, self->count);
     xmlFreeDoc(self->doc);
-    *self = (struct audit){ .xml_path = self->xml_path, .report = self->report };
+    self->doc = NULL;
+    self->configs = NULL;
+    self->networks = NULL;
+    self->count = 0;
 }

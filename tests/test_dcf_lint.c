@@ -45,6 +45,15 @@ static const struct lint_row rows[] = {
           VALUE("2000sub2", "6", "rw", "0") VALUE("2000sub3", "6", "rw", "0"),
       "15 array-types: 2000h:02: UNSIGNED32 expected like the others of the ARRAY, there is "
       "UNSIGNED16\n" },
+    { "an array whose last one is of another type",
+      ARRAY_OF("2000", 4) VALUE("2000sub0", "5", "ro", "3") VALUE("2000sub1", "7", "rw", "0")
+          VALUE("2000sub2", "7", "rw", "0") VALUE("2000sub3", "6", "rw", "0"),
+      "20 array-types: 2000h:03: UNSIGNED32 expected like the others of the ARRAY, there is "
+      "UNSIGNED16\n" },
+    { "text among what can be mapped",
+      RECORD_OF("2000", 3) VALUE("2000sub0", "5", "ro", "2")
+          ENTRY("2000sub1", "7", "rw", "PDOMapping=1") ENTRY("2000sub2", "9", "rw", "PDOMapping=1"),
+      "15 mappable-type: 2000h:02 PDOMapping: 0 expected for VISIBLE_STRING, there is 1\n" },
     { "a record of two types",
       RECORD_OF("2000", 3) VALUE("2000sub0", "5", "ro", "2") VALUE("2000sub1", "7", "rw", "0")
           VALUE("2000sub2", "6", "rw", "0"),

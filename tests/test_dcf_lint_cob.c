@@ -53,6 +53,10 @@ static const struct lint_row restricted_rows[] = {
     { "a client of a default server", SDO("1280", "0x605", "0x585"), "" },
     { "a client of no server, told once", SDO("1280", "0", "0"),
       "14" RESTRICTED("1280", "01", "000") ": without use it is 80000000h\n" },
+    { "a client of no default server", SDO("1280", "0x6E1", "0x581"),
+      "14" RESTRICTED("1280", "01", "6E1") "\n" },
+    { "the last CAN-ID of 11 bits", PDO("1400", "1600", "0x7FF"),
+      "14" RESTRICTED("1400", "01", "7FF") "\n" },
     { "a client that is not told",
       RECORD_OF("1280", 3) VALUE("1280sub0", "5", "ro", "2") VALUE("1280sub1", "7", "rw", "1")
           ENTRY("1280sub2", "7", "rw", ""),

@@ -33,6 +33,11 @@ static const struct lint_row mappings_rows[] = {
       "33 mapped-missing: 1600h:01: an object of this file expected, there is no 2000h:00\n" },
     { "a default that the file does not tell",
       RPDO MAPPING("1600", D("2"), D("0x20000008"), "") U8_TARGET, "" },
+    { "one that is not there behind a default that the file does not tell",
+      RPDO MAPPING("1600", D("2"), "", D("0x20010008")),
+      "38 mapped-missing: 1600h:02: an object of this file expected, there is no 2001h:00\n" },
+    { "as many as there can be", RPDO MAPPING("1600", D("64"), D("0x20000008"), D("0")) U8_TARGET,
+      "28 mapping-gap: 1600h: 64 mapped objects expected (sub-index 0), sub-index 2 is empty\n" },
     { "a gap", RPDO MAPPING("1600", D("2"), D("0x20000008"), D("0")) U8_TARGET,
       "28 mapping-gap: 1600h: 2 mapped objects expected (sub-index 0), sub-index 2 is empty\n" },
     { "more than there are",
@@ -46,6 +51,9 @@ static const struct lint_row mappings_rows[] = {
       "65\n" },
     { "an MPDO", RPDO MAPPING("1600", D("255"), D("0"), D("0")) "[DeviceInfo]\nGroupMessaging=1\n",
       "" },
+    { "an MPDO of the other kind of a device without",
+      RPDO MAPPING("1600", D("254"), D("0"), D("0")),
+      "28 mpdo: 1600h:00: GroupMessaging=1 in [DeviceInfo] expected, this is an MPDO\n" },
     { "an MPDO of a device without", RPDO MAPPING("1600", D("255"), D("0"), D("0")),
       "28 mpdo: 1600h:00: GroupMessaging=1 in [DeviceInfo] expected, this is an MPDO\n" },
     { "an object that is not there",
@@ -124,6 +132,8 @@ static const struct lint_row dummies_rows[] = {
     { "a dummy that is not allowed", RPDO MAPPING("1600", D("1"), D("0x00060010"), D("0")),
       "33 dummy-usage: 1600h:01: an object expected, [DummyUsage] does not allow the dummy "
       "0006h\n" },
+    { "a dummy of which [DummyUsage] does not speak",
+      RPDO MAPPING("1600", D("1"), D("0x00080020"), D("0")), "" },
     { "a dummy of another length", RPDO MAPPING("1600", D("1"), D("0x00050010"), D("0")),
       "33 mapping-length: 1600h:01: 8 bits of 0005h:00 expected (it is UNSIGNED8), there are "
       "16\n" },
@@ -190,6 +200,10 @@ static const struct lint_row abilities_rows[] = {
           VALUE("1600sub1", "7", "ro", "0x20000008") VALUE("1600sub2", "7", "ro", "0x20000008")
               U8_TARGET "[DeviceInfo]\nGranularity=0\n",
       "28 sub-0-default: 1600h:00 DefaultValue: 2 expected (the highest sub-index), there is 1\n" },
+    { "not all of a mapping of which the file does not tell whether it is fixed",
+      RPDO RECORD_OF("1600", 3) VALUE("1600sub0", "5", "const", "1") VALUE(
+          "1600sub1", "7", "ro", "0x20000008") VALUE("1600sub2", "7", "ro", "0x20000008") U8_TARGET,
+      "" },
     { "for a TPDO that is not there",
       RPDO MAPPING("1600", D("0"), D("0"), D("0")) TARGET("2000", "5", "ro", "1")
           TARGET("2001", "5", "rwr", "1"),

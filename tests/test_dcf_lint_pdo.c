@@ -23,6 +23,15 @@ static const struct lint_row parameters_rows[] = {
     { "an RPDO", RPDO("255"), "" },
     { "without mapping", PDO("1400", 3, "2", "$NODEID+0x200", "254"),
       "5 pdo-without-mapping: 1400h: an object 1600h (PDO mapping) expected, it is missing\n" },
+    { "the last RPDO without mapping", PDO("15FF", 3, "2", "0x201", "254"),
+      "5 pdo-without-mapping: 15FFh: an object 17FFh (PDO mapping) expected, it is missing\n" },
+    { "the last TPDO without mapping", PDO("19FF", 3, "2", "0x201", "254"),
+      "5 pdo-without-mapping: 19FFh: an object 1BFFh (PDO mapping) expected, it is missing\n" },
+    { "the last mappings alone", NO_MAPPING("17FF") NO_MAPPING("1BFF"),
+      "5 mapping-without-pdo: 17FFh: an object 15FFh (PDO communication parameters) expected, it "
+      "is missing\n"
+      "14 mapping-without-pdo: 1BFFh: an object 19FFh (PDO communication parameters) expected, it "
+      "is missing\n" },
     { "a mapping alone", NO_MAPPING("1A00"),
       "5 mapping-without-pdo: 1A00h: an object 1800h (PDO communication parameters) expected, it "
       "is missing\n" },

@@ -37,6 +37,7 @@ DEVICE_TOOLS = {
 NETWORK_TOOLS = {
     "boot": ([plant.MCANOPEN, "boot", "--once"], 2),
     "check": ([plant.MCANOPEN, "check"], 1),
+    "check": ([plant.MCANOPEN, "check"], 1),
     "sim": ([plant.MCANOPEN, "sim", "--bus", BUS], 2),
     "dcf2ccf": ([tool("dcf2ccf"), "--output", "/dev/null", "--from-network"], 2),
 }

@@ -88,5 +88,5 @@ int main(void)
     tcase_add_loop_test(tests, as_much_as_there_may_be, 0, 3);
     tcase_add_loop_test(tests, one_more, 0, 3);
     tcase_add_test(tests, another_text);
-    return suite_run("dcf_limits", tests);
+    return suite_run("limits", tests);
 }

@@ -1,5 +1,6 @@
 #include "dcf/dcf_lexer.h"
 
+#include "base/bytes.h"
 #include "dcf/dcf_rules.h"
 
 #include <stdlib.h>
@@ -157,19 +158,29 @@ static enum co_err read_line(struct lexer *self, struct dcf_slice line)
 
 #define EIGHT_BYTES(byte) (UINT64_C(0x0101010101010101) * (byte))
 
-/* All of eight bytes are ASCII and no control characters: the subtraction would borrow. */
-static bool are_plain(const char *text)
+/*
+ * How many of eight bytes at the beginning are ASCII and no control characters. Of others the
+ * subtraction borrows, or bit 7 is set: the lowest byte with bit 7 is the first one.
+ */
+static size_t count_plain(const char *text)
 {
-    uint64_t bytes;
+    const uint8_t *bytes = (const uint8_t *)text;
+    uint64_t eight = get_le32(bytes) | (uint64_t)get_le32(bytes + 4) << 32;
+    uint64_t odd = (eight | (eight - EIGHT_BYTES(0x20))) & EIGHT_BYTES(0x80);
 
-    memcpy(&bytes, text, sizeof bytes);
-    return ((bytes | (bytes - EIGHT_BYTES(0x20))) & EIGHT_BYTES(0x80)) == 0;
+    return odd == 0 ? 8 : (size_t)__builtin_ctzll(odd) / 8;
 }
 
 static size_t skip_plain(struct dcf_slice text, size_t place)
 {
-    while (place + 8 <= text.size && are_plain(text.text + place))
-        place += 8;
+    size_t count = 8;
+
+    while (count == 8 && place + 8 <= text.size) {
+        count = count_plain(text.text + place);
+        place += count;
+    }
+    if (count < 8)
+        return place;
     while (place < text.size && (unsigned char)(text.text[place] - 0x20) < 0x60)
         place++;
     return place;

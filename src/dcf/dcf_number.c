@@ -105,13 +105,14 @@ static bool take_node_id(struct dcf_slice *text)
 
 bool dcf_number_parse(struct dcf_slice text, struct dcf_number *ret_number)
 {
-    struct dcf_number plain = { .magnitude = 0 }, number = { .magnitude = 0 };
+    struct dcf_number number = { .magnitude = 0 };
 
     text = dcf_slice_trim(text);
-    if (parse_integer(text, &plain)) { /* as nearly all are */
-        *ret_number = plain;
+    if (parse_integer(text, &number)) { /* as nearly all are */
+        *ret_number = number;
         return true;
     }
+    number = (struct dcf_number){ .magnitude = 0 };
     text = dcf_number_uncomment(text, &number.quirks);
     number.has_node_id = take_node_id(&text);
     if (!parse_integer(text, &number))

@@ -10,6 +10,15 @@ static char fold(char c)
     return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
 }
 
+struct dcf_slice dcf_slice_trim_blanks(struct dcf_slice self)
+{
+    while (self.size > 0 && dcf_is_blank(self.text[0]))
+        self = dcf_slice_skip(self, 1);
+    while (self.size > 0 && dcf_is_blank(self.text[self.size - 1]))
+        self.size--;
+    return self;
+}
+
 static bool same(char a, char b)
 {
     return a == b || fold(a) == fold(b);

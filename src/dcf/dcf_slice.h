@@ -38,13 +38,13 @@ static inline struct dcf_slice dcf_slice_cut(struct dcf_slice self, size_t size)
     return (struct dcf_slice){ self.text, size };
 }
 
+struct dcf_slice dcf_slice_trim_blanks(struct dcf_slice self);
+
 static inline struct dcf_slice dcf_slice_trim(struct dcf_slice self)
 {
-    while (self.size > 0 && dcf_is_blank(self.text[0]))
-        self = dcf_slice_skip(self, 1);
-    while (self.size > 0 && dcf_is_blank(self.text[self.size - 1]))
-        self.size--;
-    return self;
+    bool has_none = self.size > 0 && self.text[0] > ' ' && self.text[self.size - 1] > ' ';
+
+    return has_none ? self : dcf_slice_trim_blanks(self); /* most have none */
 }
 
 static inline int dcf_hex_digit(char c) /* -1: none */

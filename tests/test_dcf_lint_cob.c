@@ -83,6 +83,8 @@ static const struct lint_row twice_rows[] = {
     { "another RPDO and SYNC", SYNC("0x80") PDO("1401", "1601", "0x80"),
       "19" TWICE("1401", "01", "080", "1005h:00") },
     { "EMCY and SYNC", SYNC("0x80") EMCY("0x80"), "10" TWICE("1014", "00", "080", "1005h:00") },
+    { "EMCY and an RPDO", EMCY("0x81") PDO("1400", "1600", "0x81"),
+      "19" TWICE("1400", "01", "081", "1014h:00") },
     { "its own EMCY", EMCY("0x81") CONSUMERS("0x81", "0x80000000"), "" },
     { "the same number with 29 bits",
       PDO("1800", "1A00", "0x20000200") PDO("1400", "1600", "0x200"), "" },

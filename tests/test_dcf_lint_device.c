@@ -51,6 +51,7 @@ static const struct lint_row devices_rows[] = {
       "5 heartbeat-and-guarding: 100Ch: 0 expected where there is a heartbeat (1017h is 1000 ms), "
       "there are 100 ms: heartbeat counts\n" },
     { "two nodes are watched", CONSUMERS("0x00050064", "0x00060064"), "" },
+    { "the last node is watched", CONSUMERS("0x007F0064", "0x00060064"), "" },
     { "a node is watched twice", CONSUMERS("0x00050064", "0x00050065"),
       "19 heartbeat-consumer-twice: 1016h:02: a node that is not watched yet expected, node 5 is "
       "by sub-index 1\n" },
@@ -59,6 +60,7 @@ static const struct lint_row devices_rows[] = {
       "19 heartbeat-consumer: 1016h:02: a node-ID of 1..127 in bits 16 to 31 expected, there is "
       "0080h\n" },
     { "a SYNC counter", VALUE("1019", "5", "rw", "2"), "" },
+    { "the highest SYNC counter", VALUE("1019", "5", "rw", "240"), "" },
     { "a SYNC counter of one", VALUE("1019", "5", "rw", "1"),
       "5 sync-counter: 1019h: 0 or 2..240 expected, there is 1\n" },
     { "a SYNC counter that is too large", VALUE("1019", "5", "rw", "241"),
@@ -84,6 +86,8 @@ START_TEST(neither_heartbeat_nor_guarding)
     ck_assert_str_eq(lint_of_file(LINES("[FileInfo]\nLastEDS=\n" VALUE("100C", "6", "rw", "0")
                                             VALUE("100D", "5", "rw", "0"))),
                      "");
+    ck_assert_str_ne(
+        lint_of_file(LINES("[DeviceInfo]\nBaudRate_125=1\n" VALUE("100C", "6", "rw", "0"))), "");
 }
 END_TEST
 

@@ -8,6 +8,10 @@
     RECORD_OF(name, 3)                                                                             \
     VALUE(name "sub0", "5", "ro", "2")                                                             \
     ENTRY(name "sub1", type, access, "") ENTRY(name "sub2", "7", access, "")
+#define PDO                                                                                        \
+    RECORD_OF("1400", 3)                                                                           \
+    VALUE("1400sub0", "5", "ro", "2")                                                              \
+    VALUE("1400sub1", "7", "rw", "0x201") VALUE("1400sub2", "5", "rw", "255")
 
 static const struct lint_row objects_rows[] = {
     { "a VAR", VALUE("1006", "7", "rw", "0"), "" },
@@ -50,6 +54,11 @@ static const struct lint_row objects_rows[] = {
     { "half an SDO client",
       RECORD_OF("1280", 2) VALUE("1280sub0", "5", "ro", "1") ENTRY("1280sub1", "7", "rw", ""),
       "5 known-sub: 1280h: a sub-index 2 expected (CiA 301), it is missing\n" },
+    { "a mapping as ARRAY",
+      PDO ARRAY_OF("1600", 2) VALUE("1600sub0", "5", "rw", "0") ENTRY("1600sub1", "7", "rw", ""),
+      "" },
+    { "a mapping that is none", PDO ENTRY("1600", "7", "ro", ""),
+      "20 known-object-type: 1600h ObjectType: 9 (RECORD) expected (CiA 301), there is 7 (VAR)\n" },
     { "an unknown one", ONE_OF("1F00", "6"), "" },
 };
 

@@ -15,7 +15,7 @@ static const struct users { /* objects with COB-IDs */
     uint16_t first, last;
     uint8_t first_sub, last_sub;
     enum service service;
-    bool sent; /* by the device */
+    bool sent; /* by the device; of SYNC and TIME, which are once, it makes no difference */
 } users[] = {
     { 0x1005, 0x1005, 0, 0, SYNC, false },       { 0x1012, 0x1012, 0, 0, TIME, false },
     { 0x1014, 0x1014, 0, 0, EMCY, true },        { 0x1028, 0x1028, 1, 127, EMCY_CONSUMER, false },
@@ -134,12 +134,6 @@ static bool is_valid(const struct dcf_lint_object *object, uint32_t cob_id, enum
     return !(cob_id & COB_INVALID);
 }
 
-static bool is_sent(const struct users *kind, uint32_t cob_id)
-{
-    return kind->sent ||
-           ((kind->service == SYNC || kind->service == TIME) && (cob_id & COB_BIT_30));
-}
-
 static bool add(struct cob_lint *self, const struct user *user)
 {
     size_t room = self->room ? 2 * self->room : 64;
@@ -160,7 +154,9 @@ static bool collect_entry(struct cob_lint *self, const struct dcf_lint_object *o
                           const struct dcf_entry *entry, const struct users *kind)
 {
     const struct dcf_value *value = dcf_lint_effective(entry);
-    struct user user = { .entry = entry, .value = value, .service = kind->service };
+    struct user user = {
+        .entry = entry, .value = value, .service = kind->service, .sent = kind->sent
+    };
     uint32_t cob_id;
 
     if (!value || entry->type != OD_UNSIGNED32 || entry->sub < kind->first_sub ||
@@ -170,7 +166,6 @@ static bool collect_entry(struct cob_lint *self, const struct dcf_lint_object *o
     if (!is_valid(object, cob_id, kind->service, self->lint->node_id))
         return true;
     user.id = id_of(cob_id);
-    user.sent = is_sent(kind, cob_id);
     check_bits(self, &user, cob_id);
     return check_restricted(self, &user) || add(self, &user);
 }

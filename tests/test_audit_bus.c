@@ -75,7 +75,8 @@ static const struct audit_case can_ids[] = {
       .dcf5 = OBJECT("1028", "2") U32("1028sub1", IS("0x86")),
       .rules = "" },                                            /* a default that nobody chose */
     { .xml5 = "", .dcf5 = SENDS(IS("0"), EVENT), .rules = "" }, /* so some files say "none" */
-    { .xml5 = "", .dcf5 = SENDS(SET("0"), EVENT), .rules = "restricted-id, id-collision" },
+    { .xml5 = "", .dcf5 = SENDS(SET("0"), EVENT), .rules = "restricted-id" },
+    { .xml5 = "", .dcf5 = SENDS(SET("0x585"), EVENT), .rules = "restricted-id" },
     { .xml5 = "",
       .dcf5 = SENDS(IS("0x185"), EVENT) U32("1014", IS("0x185")),
       .rules = "emcy-id" }, /* the device's own matter */
@@ -247,6 +248,16 @@ static const struct audit_case mappings[] = {
       .rules = "" },
     { .xml5 = "", .dcf5 = SENDS(SET("0x185"), SET("245")), .rules = "pdo-type" },
     { .xml5 = "", .dcf5 = SENDS(SET("0x185"), SET("254")), .rules = "" },
+    { .xml5 = "", .dcf5 = SENDS(SET("0x185"), SET("252")), .rules = "" },
+    { .xml5 = "",
+      .dcf5 = HEARS(SET("0x185"), SET("253")),
+      .rules = "pdo-type, no-producer",
+      .text = "type 253 of RPDO 1 is reserved: 0 to 240 and 254 to 255 expected" },
+    { .xml5 = "",
+      .dcf5 = TPDO("0", IS("0x185"), IS("255"), "", "2", MAPS("1A00sub1", "0x60000008")) INPUTS,
+      .rules = "pdo-mapping",
+      .text =
+          "error: node 5: 1A00h:00 maps 2 objects into TPDO 1, but the device has no 1A00h:02" },
     { .xml5 = "",
       .dcf5 = TPDO("0", IS("0x185"), IS("255"), "", "0", MAPS("1A00sub1", "0x70000008")),
       .rules = "" }, /* nothing is in it */

@@ -331,6 +331,24 @@ START_TEST(a_file_for_another_node)
 }
 END_TEST
 
+/* A DCF that cannot be used tells what it would have written; a CCF that is missing does not. */
+START_TEST(what_a_file_was_to_write)
+{
+    const struct audit_case plant = {
+        .xml5 = WAIT("100"),
+        .dcf5 = BEAT("200") "[2001]\nParameterName=x\nObjectType=2\nDataType=15\n"
+                            "AccessType=rw\nDownloadFile=none.bin\n",
+    };
+    static struct audit_told told;
+
+    audit_told_init(&told);
+    audit_plant_write_case(&plant);
+    audit_plant_run(&told);
+    ck_assert_uint_eq(told.report.errors, 2); /* and that there is no none.bin */
+    ck_assert_str_eq(told.rules, "heartbeat-time");
+}
+END_TEST
+
 START_TEST(without_a_readable_xml_file_there_is_no_plant)
 {
     static struct audit_told told;
@@ -382,6 +400,7 @@ int main(void)
     tcase_add_test(tests, a_ccf_alone);
     tcase_add_test(tests, errors_in_one_file_leave_the_others);
     tcase_add_test(tests, a_file_for_another_node);
+    tcase_add_test(tests, what_a_file_was_to_write);
     tcase_add_test(tests, without_a_readable_xml_file_there_is_no_plant);
     tcase_add_test(tests, each_network_has_its_own_lines);
     return suite_run("audit-nodes", tests);

@@ -34,6 +34,9 @@ struct check_text {
 struct check_text check_compared(const struct node_config *config);
 struct check_text check_supervision(const struct audit_node *node);
 
+/* Of the bus, in tenths of a per cent. */
+unsigned long check_share(const struct audit_network *network, uint64_t rate);
+
 void check_print_summary(const struct check *self);
 
 bool check_add_json(struct check *self, const struct co_message *message);

@@ -77,9 +77,7 @@ static json_t *nodes_of(const struct audit_network *network)
 
 static double percent(const struct audit_network *network, uint64_t rate)
 {
-    const uint64_t tenths = rate / (network->config->baudrate * 1000ull);
-
-    return (double)tenths / 10;
+    return (double)check_share(network, rate) / 10;
 }
 
 static json_t *load_of(const struct audit_network *network)

@@ -97,16 +97,18 @@ static void print_table(const struct audit_network *network)
     }
 }
 
-/* Tenths of a per cent. */
-static unsigned long share(const struct audit_network *network, uint64_t rate)
+unsigned long check_share(const struct audit_network *network, uint64_t rate)
 {
-    return (unsigned long)(rate / (network->config->baudrate * 1000ull));
+    const uint64_t tenth = network->config->baudrate * 1000ull; /* of a per cent */
+
+    return (unsigned long)((rate + tenth / 2) / tenth);
 }
 
 static void print_load(const struct audit_network *network)
 {
     const struct audit_load *load = &network->load;
-    const unsigned long cyclic = share(network, load->cyclic), most = share(network, load->most);
+    const unsigned long cyclic = check_share(network, load->cyclic),
+                        most = check_share(network, load->most);
 
     printf("bus load: %lu.%lu %% by timers and SYNC", cyclic / 10, cyclic % 10);
     if (load->most > load->cyclic)

@@ -63,6 +63,7 @@ struct audit_node {
     char *description_file; /* what describes the device: the DCF, or an EDS; NULL: nothing */
     struct dcf description;
     bool described;
+    bool has_dcf;    /* the description is its DCF_File, if not all of it can be used */
     bool configured; /* what is written to it is known: its file was read, or there is none */
     struct audit_written *written; /* sorted by address */
     size_t written_count;

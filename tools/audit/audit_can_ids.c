@@ -51,12 +51,36 @@ static struct user name_user(const struct audit_use *use)
     return user;
 }
 
+static bool is_default_channel(const struct audit_use *use)
+{
+    return use->index == 0x1200 || use->index >= 0x1280;
+}
+
+static bool is_restricted(const struct audit_use *use)
+{
+    const struct od nothing = { .count = 0 };
+    const bool is_sdo = use->service == AUDIT_SDO_REQUEST || use->service == AUDIT_SDO_ANSWER;
+
+    return use->is_chosen && !(is_sdo && is_default_channel(use)) && use->node &&
+           use->index != 0x1028 && !slave_may_use(&nothing, use->can_id, true);
+}
+
+static void check_restricted(const struct audit_network *self, const struct audit_use *use)
+{
+    if (is_restricted(use))
+        audit_tell(self, use->place, AUDIT_RULE_RESTRICTED_ID,
+                   "CAN-ID %s of %s belongs to other services: the device refuses it (06090030h)",
+                   audit_can_id(use->can_id).text, name_user(use).text);
+}
+
 static void tell(const struct audit_network *self, enum audit_rule rule,
                  const struct audit_use *first, const struct audit_use *second, const char *what)
 {
     const struct audit_use *changed = second->is_chosen || !first->is_chosen ? second : first;
     const struct audit_use *kept = changed == second ? first : second;
 
+    if (is_restricted(changed)) /* told already */
+        return;
     audit_tell(self, changed->place, rule, "CAN-ID %s of %s is that of %s as well%s",
                audit_can_id(changed->can_id).text, name_user(changed).text, name_user(kept).text,
                what);
@@ -115,24 +139,6 @@ static void check_id(const struct audit_network *self, const struct audit_use *u
             tell(self, AUDIT_RULE_ID_COLLISION, &uses[0], use, "");
         }
     }
-}
-
-static bool is_default_channel(const struct audit_use *use)
-{
-    return use->index == 0x1200 || use->index >= 0x1280;
-}
-
-static void check_restricted(const struct audit_network *self, const struct audit_use *use)
-{
-    const struct od nothing = { .count = 0 };
-    const bool is_sdo = use->service == AUDIT_SDO_REQUEST || use->service == AUDIT_SDO_ANSWER;
-
-    if (!use->is_chosen || (is_sdo && is_default_channel(use)) || !use->node ||
-        use->index == 0x1028 || slave_may_use(&nothing, use->can_id, true))
-        return;
-    audit_tell(self, use->place, AUDIT_RULE_RESTRICTED_ID,
-               "CAN-ID %s of %s belongs to other services: the device refuses it (06090030h)",
-               audit_can_id(use->can_id).text, name_user(use).text);
 }
 
 /* The manager listens to 80h + node-ID. */

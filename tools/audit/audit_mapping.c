@@ -81,6 +81,21 @@ static void check_entry(const struct audit_pdo *pdo, uint8_t sub, const struct a
                    mapped >> 8 & 0xFF, mapped & 0xFF, audit_pdo_label(pdo).text);
 }
 
+/* FEh and FFh are no numbers: they make it a multiplexed PDO. */
+static void check_count(const struct audit_pdo *pdo)
+{
+    const uint16_t index = audit_mapping_index(pdo);
+    const struct audit_value count = audit_value(pdo->node, index, 0);
+
+    if (count.chosen && count.number <= AUDIT_MAPPED_MAX && count.number > 0 &&
+        audit_lacks(pdo->node, index, (uint8_t)count.number))
+        audit_tell(pdo->node->network, count.place, AUDIT_RULE_PDO_MAPPING,
+                   "%s: %04Xh:00 maps %u objects into %s, but the device has no %04Xh:%02X: boot "
+                   "error J",
+                   audit_label(pdo->node).text, index, (unsigned)count.number,
+                   audit_pdo_label(pdo).text, index, (unsigned)count.number);
+}
+
 static void check(const struct audit_pdo *pdo)
 {
     const struct audit_node *node = pdo->node;
@@ -100,16 +115,19 @@ static void check(const struct audit_pdo *pdo)
 
 static void check_type(const struct audit_pdo *pdo)
 {
-    if (pdo->has_type && pdo->is_meant && pdo->type > 240 && pdo->type < 252)
+    const uint8_t event = pdo->transmit ? 252 : 254; /* 252 and 253 are requests, for TPDOs only */
+
+    if (pdo->has_type && pdo->is_meant && pdo->type > 240 && pdo->type < event)
         audit_tell(pdo->node->network, pdo->type_place, AUDIT_RULE_PDO_TYPE,
-                   "%s: transmission type %u of %s is reserved: 0 to 240 and 252 to 255 expected",
-                   audit_label(pdo->node).text, pdo->type, audit_pdo_label(pdo).text);
+                   "%s: transmission type %u of %s is reserved: 0 to 240 and %u to 255 expected",
+                   audit_label(pdo->node).text, pdo->type, audit_pdo_label(pdo).text, event);
 }
 
 void audit_check_mapping(struct audit_network *self)
 {
     for (size_t i = 0; i < self->pdo_count; i++) {
         check(&self->pdos[i]);
+        check_count(&self->pdos[i]);
         check_type(&self->pdos[i]);
     }
 }

@@ -162,6 +162,7 @@ static bool read_node(struct audit_node *self)
         return false;
     self->configured = !self->file || self->config->ccf.size > 0;
     self->described = self->file && self->description.count > 0;
+    self->has_dcf = self->described;
     if (self->described) {
         self->description_file = strdup(self->file);
         if (!self->description_file || (!self->configured && !guess_writes(self)))

@@ -2,6 +2,7 @@
 #include "audit.h"
 
 #include "base/bytes.h"
+#include "od/od.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -49,19 +50,41 @@ static struct audit_value written_value(const struct audit_node *self,
                                               : audit_node_place(self, "CCF_File") };
 }
 
-static struct audit_value default_value(const struct audit_node *self,
-                                        const struct dcf_entry *entry)
+static struct audit_value given_value(const struct audit_node *self, const struct dcf_entry *entry,
+                                      const struct dcf_value *given)
 {
     struct audit_value value = { .place = { self->description_file, entry->line } };
     uint8_t bytes[NUMBER_SIZE];
 
-    if (!entry->initial.given || entry->initial.size > sizeof bytes)
+    if (!given->given || given->size > sizeof bytes)
         return value;
-    value.size = dcf_value(&entry->initial, self->config->node_id, bytes);
+    value.size = dcf_value(given, self->config->node_id, bytes);
     value.number = number_of(bytes, value.size);
     value.known = true;
-    if (entry->initial.line != 0)
-        value.place.line = entry->initial.line;
+    if (given->line != 0)
+        value.place.line = given->line;
+    return value;
+}
+
+static bool may_be_written(const struct dcf_entry *entry)
+{
+    return entry->access != OD_RO && entry->access != OD_CONST;
+}
+
+/* What a file that cannot be used would write: its DCF says so, a CCF does not. */
+static struct audit_value intended_value(const struct audit_node *self,
+                                         const struct dcf_entry *entry,
+                                         const struct audit_value *preset)
+{
+    struct audit_value value = { .known = false };
+
+    if (!self->has_dcf)
+        return value;
+    if (!entry->parameter.given)
+        return *preset;
+    value = given_value(self, entry, &entry->parameter);
+    value.written = value.known;
+    value.chosen = value.known && (!preset->known || preset->number != value.number);
     return value;
 }
 
@@ -74,12 +97,14 @@ struct audit_value audit_value(const struct audit_node *self, uint16_t index, ui
     if (self->described)
         entry = dcf_find(&self->description, index, sub);
     if (entry)
-        preset = default_value(self, entry);
+        preset = given_value(self, entry, &entry->initial);
     if (written) {
         value = written_value(self, written);
         value.chosen = !preset.known || preset.number != value.number;
         return value;
     }
+    if (entry && !self->configured && may_be_written(entry))
+        return intended_value(self, entry, &preset);
     return preset;
 }
 
@@ -120,7 +145,7 @@ int32_t audit_heartbeat_time(const struct audit_node *self)
 
     if (value.known)
         return (int32_t)(value.number & UINT16_MAX);
-    return self->described ? 0 : -1;
+    return self->described && (self->configured || self->has_dcf) ? 0 : -1;
 }
 
 bool audit_is_known(const struct audit_node *self)

@@ -5,7 +5,7 @@
 #
 #   TARGET            a target of this name makes them all; others may depend on it
 #   DCF               below the source folder, else below the build folder (where others make it)
-#   NODE_ID           for $NODEID; without it that of the file
+#   NODE_ID           for $NODEID, 1 to 127; without it that of the file
 #   OLD_STYLE         PDO mapping: the number of entries first
 #   ALL_VALUES        entries without a ParameterValue as well, with their DefaultValue
 #   QUIET             no warnings
@@ -86,6 +86,17 @@ function(mcanopen_ccf_command input output)
         COMMAND_EXPAND_LISTS VERBATIM)
 endfunction()
 
+# Decimal, or hexadecimal with 0x.
+function(mcanopen_ccf_check_node_id target node_id)
+    set(number 0)
+    if(node_id MATCHES "^(0[xX][0-9A-Fa-f]+|[0-9]+)$")
+        math(EXPR number "${node_id}")
+    endif()
+    if(number LESS 1 OR number GREATER 127)
+        mcanopen_ccf_refuse(${target} "NODE_ID: 1..127 expected, not ${node_id}")
+    endif()
+endfunction()
+
 function(mcanopen_add_ccf target)
     cmake_parse_arguments(PARSE_ARGV 1 ccf "OLD_STYLE;ALL_VALUES;QUIET"
         "NODE_ID;OUTPUT_DIRECTORY;OUTPUT" "")
@@ -96,17 +107,19 @@ function(mcanopen_add_ccf target)
         mcanopen_ccf_refuse(${target} "${ccf_KEYWORDS_MISSING_VALUES}: a value expected")
     elseif(DEFINED ccf_OUTPUT AND count GREATER 1)
         mcanopen_ccf_refuse(${target} "OUTPUT: one DCF expected, not ${count}")
-    elseif(DEFINED ccf_NODE_ID AND NOT ccf_NODE_ID MATCHES "^(0x)?[0-9A-Fa-f]+$")
-        mcanopen_ccf_refuse(${target} "NODE_ID: 1..127 expected, not ${ccf_NODE_ID}")
+    elseif(DEFINED ccf_NODE_ID)
+        mcanopen_ccf_check_node_id(${target} "${ccf_NODE_ID}")
     endif()
 
     set(outputs)
     foreach(name ${ccf_UNPARSED_ARGUMENTS})
         mcanopen_ccf_input(${name} input)
         mcanopen_ccf_output(${input} output)
-        if(output IN_LIST outputs)
-            mcanopen_ccf_refuse(${target} "two files would be ${output}")
+        get_property(others GLOBAL PROPERTY MCANOPEN_CCF_FILES)
+        if(output IN_LIST others)
+            mcanopen_ccf_refuse(${target} "two files would be ${output}: give one another OUTPUT")
         endif()
+        set_property(GLOBAL APPEND PROPERTY MCANOPEN_CCF_FILES ${output})
         list(APPEND outputs ${output})
         mcanopen_ccf_command(${input} ${output})
     endforeach()

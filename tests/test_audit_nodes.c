@@ -315,6 +315,28 @@ START_TEST(errors_in_one_file_leave_the_others)
 }
 END_TEST
 
+START_TEST(a_name_from_a_machine_without_cases)
+{
+    const struct audit_case plant = {
+        .xml5 = "<DCF_File>EDS\\6.DCF</DCF_File>\n",
+        .xml6 = "",
+        .dcf6 = "",
+        .rules = "none",
+        .text = "n.xml:7: error: DCF_File: EDS\\6.DCF: no such file [none]",
+    };
+    const struct audit_case in_other_cases = {
+        .xml5 = "<DCF_File>.\\6.DCF</DCF_File>\n",
+        .xml6 = "",
+        .dcf6 = "",
+        .rules = "none",
+        .text = "n.xml:7: error: DCF_File: .\\6.DCF: no such file; there is ./6.dcf [none]",
+    };
+
+    audit_plant_check(&plant);
+    audit_plant_check(&in_other_cases);
+}
+END_TEST
+
 /* A DCF for another node is told by the reader, and the rest is judged as if it were right. */
 START_TEST(a_file_for_another_node)
 {
@@ -399,6 +421,7 @@ int main(void)
     tcase_add_loop_test(tests, a_ccf_is_compared_with_the_eds, 0, ROWS(writes));
     tcase_add_test(tests, a_ccf_alone);
     tcase_add_test(tests, errors_in_one_file_leave_the_others);
+    tcase_add_test(tests, a_name_from_a_machine_without_cases);
     tcase_add_test(tests, a_file_for_another_node);
     tcase_add_test(tests, what_a_file_was_to_write);
     tcase_add_test(tests, without_a_readable_xml_file_there_is_no_plant);

@@ -268,6 +268,36 @@ START_TEST(a_file_is_found_where_it_is_looked_for_first)
 }
 END_TEST
 
+static const struct alike {
+    const char *there, *repository, *name, *found;
+} alikes[] = {
+    { "pump.dcf", NULL, "Pump.DCF", "pump.dcf" },
+    { "eds/pump.dcf", NULL, "EDS\\Pump.dcf", "eds/pump.dcf" },
+    { "eds/pump.dcf", NULL, "./EDS/pump.dcf", "./eds/pump.dcf" },
+    { "plant/pump.dcf", NULL, "PUMP.dcf", "plant/pump.dcf" },
+    { "repo/pump.dcf", "repo", "PUMP.dcf", "repo/pump.dcf" },
+    { "plant/repo/pump.dcf", "repo", "PUMP.dcf", "plant/repo/pump.dcf" },
+    { "eds/pump.dcf", NULL, "C:\\eds\\pump.dcf", NULL },
+    { "eds/pump.dcf", NULL, "/nowhere/pump.dcf", NULL },
+    { "eds/pump.dcf", NULL, "pump.dcf", NULL },
+    { "pump.dcf", NULL, "\\", NULL },
+};
+
+START_TEST(a_file_of_other_cases_is_known)
+{
+    const struct alike *row = &alikes[_i];
+    char repository[20] = "";
+    const struct network_config config = { .repository = row->repository ? repository : NULL };
+    char *path;
+
+    snprintf(repository, sizeof repository, "%s", row->repository ? row->repository : "");
+    make_files(row->there);
+    path = file_find_alike(&config, "plant/network.xml", row->name);
+    ck_assert_pstr_eq(path, row->found);
+    free(path);
+}
+END_TEST
+
 int main(void)
 {
     TCase *tests = tcase_create("file");
@@ -286,5 +316,7 @@ int main(void)
     tcase_add_test(tests, a_file_of_the_kernel);
     tcase_add_loop_test(tests, a_file_is_found_where_it_is_looked_for_first, 0,
                         (int)(sizeof finds / sizeof *finds));
+    tcase_add_loop_test(tests, a_file_of_other_cases_is_known, 0,
+                        (int)(sizeof alikes / sizeof *alikes));
     return suite_run("file", tests);
 }

@@ -39,9 +39,12 @@ static const struct option options[] = {
     { "version", no_argument, NULL, OPTION_VERSION }, { NULL, 0, NULL, 0 },
 };
 
+/* NULL: getopt_long() has told it. */
 static int usage_error(const char *what)
 {
-    fprintf(stderr, "ccfread: %s\nTry 'ccfread --help'.\n", what);
+    if (what)
+        fprintf(stderr, "ccfread: %s\n", what);
+    fputs("Try 'ccfread --help'.\n", stderr);
     return EXIT_TROUBLE;
 }
 
@@ -57,7 +60,7 @@ static int parse_arguments(int argc, char **argv, struct arguments *arguments)
         case OPTION_JSON: arguments->json = true; break;
         case 'h': return fputs(help, stdout) < 0 ? EXIT_TROUBLE : EXIT_GOOD;
         case OPTION_VERSION: return tool_print_version("ccfread") ? EXIT_GOOD : EXIT_TROUBLE;
-        default: return usage_error("unknown option, or one without its value");
+        default: return usage_error(NULL);
         }
     }
     if (optind == argc)

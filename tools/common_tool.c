@@ -2,8 +2,10 @@
 
 #include "api/error_map.h"
 
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <strings.h>
 
 #define NODE_ID_MAX 127
 
@@ -13,12 +15,23 @@ bool tool_print_version(const char *tool)
                   MCANOPEN_VERSION_PATCH) >= 0;
 }
 
+bool tool_number(const char *text, unsigned least, unsigned most, unsigned *ret_number)
+{
+    const int base = strncasecmp(text, "0x", 2) == 0 ? 16 : 10; /* 010 is ten */
+    char *end;
+    const unsigned long number = strtoul(text, &end, base);
+
+    if (!isxdigit((unsigned char)text[0]) || *end != '\0' || number < least || number > most)
+        return false;
+    *ret_number = (unsigned)number;
+    return true;
+}
+
 bool tool_node_id(const char *text, uint8_t *ret_node_id)
 {
-    char *end;
-    long number = strtol(text, &end, 0);
+    unsigned number;
 
-    if (end == text || *end != '\0' || number < 1 || number > NODE_ID_MAX)
+    if (!tool_number(text, 1, NODE_ID_MAX, &number))
         return false;
     *ret_node_id = (uint8_t)number;
     return true;

@@ -50,9 +50,12 @@ static const struct option options[] = {
     { NULL, 0, NULL, 0 },
 };
 
+/* NULL: getopt_long() has told it. */
 static int usage_error(const char *what)
 {
-    fprintf(stderr, "dcf2ccf: %s\nTry 'dcf2ccf --help'.\n", what);
+    if (what)
+        fprintf(stderr, "dcf2ccf: %s\n", what);
+    fputs("Try 'dcf2ccf --help'.\n", stderr);
     return EXIT_TROUBLE;
 }
 
@@ -83,7 +86,7 @@ static int parse_options(int argc, char **argv, struct dcf2ccf_arguments *argume
         if (option == OPTION_VERSION)
             return tool_print_version("dcf2ccf") ? 0 : EXIT_TROUBLE;
         if (option != 'n')
-            return usage_error("unknown option, or one without its value");
+            return usage_error(NULL);
         if (!tool_node_id(optarg, &arguments->node_id))
             return usage_error("-n: a node-ID of 1..127 expected");
     }

@@ -82,7 +82,7 @@ static bool write_special(const char *name, const void *bytes, size_t size)
 
     if (file >= 0 && !is_stdout)
         close(file);
-    return good || tell(is_stdout ? "stdout" : name, strerror(error));
+    return good || tell(is_stdout ? "standard output" : name, strerror(error));
 }
 
 /* Devices and pipes are written to, not replaced. */

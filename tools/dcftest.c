@@ -103,9 +103,12 @@ struct arguments {
     char bus[64];
 };
 
+/* NULL: getopt_long() has told it. */
 static int usage_error(const char *what)
 {
-    fprintf(stderr, "dcftest: %s\nTry 'dcftest --help'.\n", what);
+    if (what)
+        fprintf(stderr, "dcftest: %s\n", what);
+    fputs("Try 'dcftest --help'.\n", stderr);
     return DCFTEST_TROUBLE;
 }
 
@@ -146,7 +149,7 @@ static int take_value(struct arguments *self, int option)
         return rule_choice_add(&settings->rules, "--rule", optarg) ? GO_ON : DCFTEST_TROUBLE;
     case OPTION_NO_RULE:
         return rule_choice_add(&settings->rules, "--no-rule", optarg) ? GO_ON : DCFTEST_TROUBLE;
-    default: return usage_error("unknown option, or one without its value");
+    default: return usage_error(NULL);
     }
 }
 

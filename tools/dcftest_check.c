@@ -279,11 +279,9 @@ static const char *read_error(const struct file *file, enum co_err err)
 {
     if (file->error == NOTHING_IN_IT)
         return "no file in it ends in .eds or .dcf";
-    if (file->error)
-        return strerror(file->error);
-    return err == CO_ERR_VALUE || err == CO_ERR_MEMORY || err == CO_ERR_TIMEOUT
-               ? file_error_text(err)
-               : strerror(errno);
+    if (file->error == ENOENT)
+        return file_error_text(CO_ERR_NOT_FOUND);
+    return file->error ? strerror(file->error) : file_error_text(err);
 }
 
 bool read_or_tell(const struct settings *settings, const struct file *file, struct result *result,

@@ -1,6 +1,7 @@
 /*
  * mcanopen conform: does a device do what CiA 301 asks of a slave?
  */
+#include "common_tool.h"
 #include "conform/conform.h"
 #include "verbs.h"
 
@@ -55,15 +56,11 @@ struct number {
 
 static bool parse_number(const struct number *range, const char *text, unsigned *ret_value)
 {
-    char *end;
-    const unsigned long value = strtoul(text, &end, 0);
-
-    if (end == text || *end || text[0] == '-' || value < range->least || value > range->most) {
+    if (!tool_number(text, range->least, range->most, ret_value)) {
         fprintf(stderr, "mcanopen conform: %s %s: expected %u..%u\n", range->option, text,
                 range->least, range->most);
         return false;
     }
-    *ret_value = (unsigned)value;
     return true;
 }
 

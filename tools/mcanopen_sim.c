@@ -1,6 +1,7 @@
 /*
  * mcanopen sim: simulated devices on a bus, each made from its EDS or DCF file alone.
  */
+#include "common_tool.h"
 #include "mcanopen_sim_gate.h"
 #include "mcanopen_sim_values.h"
 #include "verbs.h"
@@ -402,10 +403,9 @@ static bool read_network(struct sim *self)
 static bool parse_number(const char *option, const char *text, uint8_t least, uint8_t most,
                          uint8_t *ret_value)
 {
-    char *end;
-    unsigned long value = strtoul(text, &end, 0);
+    unsigned value;
 
-    if (end == text || *end || value < least || value > most) {
+    if (!tool_number(text, least, most, &value)) {
         fprintf(stderr, "mcanopen sim: %s %s: expected %u..%u\n", option, text, least, most);
         return false;
     }

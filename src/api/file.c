@@ -1,11 +1,13 @@
 #include "api/file.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -181,34 +183,92 @@ static bool is_there(char *path, char **ret_path)
     return true;
 }
 
-static bool is_below(const char *folder, size_t folder_size, const char *name, char **ret_path)
+/* The entry of the folder that has this name, in other cases if need be; NULL: none. */
+static char *alike_in(const char *folder, const char *name)
 {
-    return is_there(join(folder, folder_size, name), ret_path);
+    char *exact = join(folder, strlen(folder), name), *found = NULL;
+    const struct dirent *entry;
+    DIR *entries;
+
+    if (is_there(exact, &found))
+        return found;
+    entries = opendir(folder[0] != '\0' ? folder : ".");
+    while (entries && !found && (entry = readdir(entries)))
+        if (strcasecmp(entry->d_name, name) == 0)
+            found = join(folder, strlen(folder), entry->d_name);
+    if (entries)
+        closedir(entries);
+    return found;
+}
+
+/* As is_there(), for who does not tell cases apart, nor \ from /. */
+static bool is_alike(char *path, char **ret_path)
+{
+    const bool absolute = path && path[0] == '/';
+    char *found = path ? strdup(absolute ? "/" : "") : NULL;
+    char *rest = NULL;
+
+    for (char *part = path ? strtok_r(path, "/\\", &rest) : NULL; found && part;
+         part = strtok_r(NULL, "/\\", &rest)) {
+        char *longer = alike_in(found, part);
+
+        free(found);
+        found = longer;
+    }
+    free(path);
+    if (found && found[0] == '\0') { /* there was no part */
+        free(found);
+        found = NULL;
+    }
+    *ret_path = found;
+    return found != NULL;
+}
+
+typedef bool looker(char *path, char **ret_path);
+
+static bool find_below(looker *look, const char *folder, size_t folder_size, const char *name,
+                       char **ret_path)
+{
+    return look(join(folder, folder_size, name), ret_path);
+}
+
+static bool find(looker *look, const struct network_config *config, const char *xml_path,
+                 const char *name, char **ret_path)
+{
+    const char *slash = strrchr(xml_path, '/');
+    const size_t xml_folder = slash ? (size_t)(slash - xml_path) + 1 : 0;
+    const char *repository = config->repository;
+    char *folder;
+    bool found;
+
+    if (look(strdup(name), ret_path))
+        return true;
+    if (name[0] == '/')
+        return false;
+    if (repository && find_below(look, repository, strlen(repository), name, ret_path))
+        return true;
+    if (find_below(look, xml_path, xml_folder, name, ret_path))
+        return true;
+    if (!repository || repository[0] == '/')
+        return false;
+    folder = join(xml_path, xml_folder, repository);
+    found = folder && find_below(look, folder, strlen(folder), name, ret_path);
+    free(folder);
+    return found;
 }
 
 enum co_err file_find(const struct network_config *config, const char *xml_path, const char *name,
                       char **ret_path)
 {
-    const char *slash = strrchr(xml_path, '/');
-    size_t xml_folder = slash ? (size_t)(slash - xml_path) + 1 : 0;
-    const char *repository = config->repository;
-
-    if (is_there(strdup(name), ret_path))
+    if (find(is_there, config, xml_path, name, ret_path))
         return CO_OK;
-    if (name[0] != '/') {
-        if (repository && is_below(repository, strlen(repository), name, ret_path))
-            return CO_OK;
-        if (is_below(xml_path, xml_folder, name, ret_path))
-            return CO_OK;
-        if (repository && repository[0] != '/') {
-            char *folder = join(xml_path, xml_folder, repository);
-            bool found = folder && is_below(folder, strlen(folder), name, ret_path);
-
-            free(folder);
-            if (found)
-                return CO_OK;
-        }
-    }
     *ret_path = strdup(name);
     return *ret_path ? CO_OK : CO_ERR_MEMORY;
+}
+
+char *file_find_alike(const struct network_config *config, const char *xml_path, const char *name)
+{
+    char *path = NULL;
+
+    return find(is_alike, config, xml_path, name, &path) ? path : NULL;
 }

@@ -32,5 +32,10 @@ const char *file_error_text(enum co_err err);
  */
 enum co_err file_find(const struct network_config *config, const char *xml_path, const char *name,
                       char **ret_path);
+/*
+ * For a name that is nowhere: the file that a machine which tells neither cases nor \ and / apart
+ * would have taken; to be freed. NULL: none, or no memory.
+ */
+char *file_find_alike(const struct network_config *config, const char *xml_path, const char *name);
 
 #endif

@@ -174,18 +174,32 @@ static int load_node_ccf(struct loader *self, const char *path, const char *text
     return err == CO_ERR_MEMORY ? CANOPEN_DCF_OUT_OF_MEMORY : CANOPEN_DCF_WRONG_PARAMETER;
 }
 
-static int load_node_file(struct loader *self, const char *path)
+/* A file that the XML names. Many come from machines that do not tell cases apart. */
+static void tell_unread(const struct loader *self, unsigned line, const char *element,
+                        const char *path, enum co_err err)
 {
     struct co_report own = report_for(self->xml_report, self->xml_path);
+    const char *text = file_error_text(err);
+    char *alike = NULL;
+
+    if (err == CO_ERR_NOT_FOUND)
+        alike = file_find_alike(self->config, self->xml_path, path);
+    co_report_add(&own, CO_ERROR, line, "%s: %s: %s%s%s", element, path, text,
+                  alike ? "; there is " : "", alike ? alike : "");
+    free(alike);
+    add_up(self->xml_report, &own);
+}
+
+static int load_node_file(struct loader *self, const char *path)
+{
     char *text = NULL;
     size_t size;
     enum co_err err = file_read(path, &text, &size);
     int result;
 
     if (err != CO_OK) {
-        co_report_add(&own, CO_ERROR, self->node->file_line, "%s: %s: %s",
-                      self->node->dcf_file ? "DCF_File" : "CCF_File", path, file_error_text(err));
-        add_up(self->xml_report, &own);
+        tell_unread(self, self->node->file_line, self->node->dcf_file ? "DCF_File" : "CCF_File",
+                    path, err);
         return CANOPEN_DCF_INIT_ERROR;
     }
     result = self->node->dcf_file ? load_node_dcf(self, path, text, size)
@@ -224,26 +238,23 @@ static void check_date(const struct loader *self)
     add_up(self->xml_report, &own);
 }
 
-static int refuse_software(const struct loader *self, const char *path, const char *text)
-{
-    struct co_report own = report_for(self->xml_report, self->xml_path);
-
-    co_report_add(&own, CO_ERROR, self->node->software_line, "Software_File: %s: %s", path, text);
-    add_up(self->xml_report, &own);
-    return CANOPEN_DCF_INIT_ERROR;
-}
-
 static int read_software(const struct loader *self, const char *path)
 {
+    struct co_report own = report_for(self->xml_report, self->xml_path);
     char *bytes = NULL;
     size_t size;
     enum co_err err = file_read(path, &bytes, &size);
 
-    if (err != CO_OK)
-        return refuse_software(self, path, file_error_text(err));
+    if (err != CO_OK) {
+        tell_unread(self, self->node->software_line, "Software_File", path, err);
+        return CANOPEN_DCF_INIT_ERROR;
+    }
     if (size == 0) {
         free(bytes);
-        return refuse_software(self, path, "the file is empty");
+        co_report_add(&own, CO_ERROR, self->node->software_line,
+                      "Software_File: %s: the file is empty", path);
+        add_up(self->xml_report, &own);
+        return CANOPEN_DCF_INIT_ERROR;
     }
     self->node->software = (uint8_t *)bytes;
     self->node->software_size = (uint32_t)size;

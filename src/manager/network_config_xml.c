@@ -34,6 +34,14 @@ static const char *first_line(const char *message, char *text, size_t size)
     return text;
 }
 
+/* What a name such as "pump & valve" needs; libxml2 tells what its parser has not found. */
+static bool is_lone_ampersand(const xmlError *error)
+{
+    return (error->code == XML_ERR_NAME_REQUIRED ||
+            error->code == XML_ERR_ENTITYREF_SEMICOL_MISSING) &&
+           error->message && strstr(error->message, "EntityRef");
+}
+
 static void on_message(void *context, const xmlError *error)
 {
     xmlParserCtxt *parser = context;
@@ -47,6 +55,8 @@ static void on_message(void *context, const xmlError *error)
         return;
     reading->messages++;
     first_line(error->message ? error->message : "malformed", text, sizeof text);
+    if (is_lone_ampersand(error))
+        snprintf(text, sizeof text, "&amp; expected, there is a single &");
     if (error->level >= XML_ERR_ERROR)
         faults_error(reading->faults, CO_ERR_FORMAT, line, "XML: %s", text);
     else

@@ -153,7 +153,11 @@ class Arguments(AddCcf):
                                 ("pump.dcf OUTPUT", "OUTPUT: a value expected"),
                                 ("pump.dcf valve.dcf OUTPUT x", "OUTPUT: one DCF expected, not 2"),
                                 ("pump.dcf sub/pump.dcf", "two files would be"),
-                                ("pump.dcf NODE_ID x", "NODE_ID: 1..127 expected, not x")):
+                                ("pump.dcf)\nmcanopen_add_ccf(two pump.dcf", "two files would be"),
+                                ("pump.dcf NODE_ID x", "NODE_ID: 1..127 expected, not x"),
+                                ("pump.dcf NODE_ID 0", "NODE_ID: 1..127 expected, not 0"),
+                                ("pump.dcf NODE_ID 128", "NODE_ID: 1..127 expected, not 128"),
+                                ("pump.dcf NODE_ID FF", "NODE_ID: 1..127 expected, not FF")):
             with self.assertRaisesRegex(AssertionError, text.replace(" ", r"\s+")):
                 self.try_lines(f"mcanopen_add_ccf(plant {arguments})")
 

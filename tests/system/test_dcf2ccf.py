@@ -125,6 +125,10 @@ class Network(Dcf2ccf):
             Config_File_Repository="files"))
         self.convert("--from-network", "network.xml")
         self.convert("-n", 5, "files/a.dcf", "new.ccf")
+        self.convert("-n", "010", "files/a.dcf", "ten.ccf")
+        self.convert("-n", "0xA", "files/a.dcf", "hex.ccf")
+        self.assertEqual((self.folder / "ten.ccf").read_bytes(),
+                         (self.folder / "hex.ccf").read_bytes())
         self.convert("-n", 0x66, "--old-style", "files/a.dcf", "old.ccf")
         for one, other in (("node-5.ccf", "new.ccf"), ("node-102.ccf", "old.ccf")):
             self.assertEqual((self.folder / one).read_bytes(), (self.folder / other).read_bytes())

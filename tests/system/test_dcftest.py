@@ -131,8 +131,8 @@ class Files(DcftestTest):
         self.write("a.dcf", with_warning())
         lines = self.check(ERRORS, "no.dcf", "a.dcf", ".", "empty", "a.dcf/b")
         self.assertEqual([line for line in lines if "comment" not in line],
-                         ["no.dcf: error: No such file or directory [unreadable]",
-                          "./link.dcf: error: No such file or directory [unreadable]",
+                         ["no.dcf: error: no such file [unreadable]",
+                          "./link.dcf: error: no such file [unreadable]",
                           "empty: error: no file in it ends in .eds or .dcf [unreadable]",
                           "a.dcf/b: error: Not a directory [unreadable]"])
 
@@ -382,7 +382,7 @@ class WithEds(DcftestTest):
         lines = self.check(ERRORS, "--eds", "b.eds", "a.dcf")
         self.assertEqual([line.split(":")[0] for line in lines], ["b.eds"])
         self.assertEqual(self.check(ERRORS, "--eds=no.eds", "a.dcf"),
-                         ["no.eds: error: No such file or directory [unreadable]"])
+                         ["no.eds: error: no such file [unreadable]"])
         found = json.loads("\n".join(self.check(ERRORS, "--json", "--eds=no.eds", "a.dcf")))
         self.assertEqual(found["summary"], {"files": 1, "errors": 1, "warnings": 0})
         (self.folder / "two").mkdir()

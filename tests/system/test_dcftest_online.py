@@ -248,7 +248,7 @@ class Online(DcftestTest):
         lines, _ = self.compare(ERRORS, "a.dcf")
         self.assertRegex(lines[0], r"^a\.dcf:\d+: error: ")
         self.assertEqual(self.compare(ERRORS, "no.dcf")[0],
-                         ["no.dcf: error: No such file or directory [unreadable]"])
+                         ["no.dcf: error: no such file [unreadable]"])
         self.write("b.eds", device(None))
         lines, text = self.compare(TROUBLE, "b.eds")
         self.assertEqual(lines, [])

@@ -392,16 +392,17 @@ START_TEST(each_network_has_its_own_lines)
                                "<Baudrate>500</Baudrate>\n"
                                "<Node_Instance><Node_Id>5</Node_Id></Node_Instance>\n"
                                "</Manager_Instance>\n"
-                               "<Manager_Instance><Net_No>1</Net_No><Baudrate>500</Baudrate>\n"
+                               "<Manager_Instance><Net_No>1</Net_No><Baudrate>500</Baudrate>"
+                               "<Name>mill</Name>\n"
                                "<Node_Instance>\n<Node_Id>5</Node_Id></Node_Instance>\n"
                                "<Node_Instance>\n<Node_Id>6</Node_Id></Node_Instance>\n"
                                "</Manager_Instance></CANopen_Manager>\n");
     audit_told_init(&told);
     audit_plant_run(&told);
     ck_assert_str_eq(told.rules, "unknown-node, unknown-node, unknown-node");
-    ck_assert(strstr(told.text, "n.xml:5: info: node 5"));
-    ck_assert(strstr(told.text, "n.xml:9: info: node 5"));
-    ck_assert(strstr(told.text, "n.xml:11: info: node 6"));
+    ck_assert(strstr(told.text, "n.xml:5: info: network 0: node 5"));
+    ck_assert(strstr(told.text, "n.xml:9: info: mill: node 5"));
+    ck_assert(strstr(told.text, "n.xml:11: info: mill: node 6"));
 }
 END_TEST
 

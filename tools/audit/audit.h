@@ -230,11 +230,9 @@ struct audit_label audit_label(const struct audit_node *self);
 /* 185h, with all digits of one with 29 bits */
 struct audit_label audit_can_id(uint32_t can_id);
 
-struct co_report *audit_at(const struct audit_network *self, struct audit_place place);
-
-/* audit_tell(network, place, AUDIT_RULE_IDENTITY, "...", ...) */
-#define audit_tell(network, place, rule, ...)                                                      \
-    co_report_rule(audit_at((network), (place)), &audit_rules[rule], (place).line, __VA_ARGS__)
+/* With the name of the network in front, where there are several. */
+void audit_tell(const struct audit_network *self, struct audit_place place, enum audit_rule rule,
+                const char *format, ...) __attribute__((format(printf, 4, 5)));
 
 /* Bits of a frame on the wire: nominal, or as long as stuff bits make it. */
 unsigned audit_frame_bits(bool is_long, unsigned size, bool stuffed);

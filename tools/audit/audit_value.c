@@ -190,9 +190,3 @@ struct audit_label audit_can_id(uint32_t can_id)
              (unsigned)number);
     return label;
 }
-
-struct co_report *audit_at(const struct audit_network *self, struct audit_place place)
-{
-    self->report->file = place.file;
-    return self->report;
-}

@@ -224,7 +224,7 @@ expect '--version' 0 'ccfread [0-9]*.[0-9]*' '' "$ccfread" --version
 expect 'no file' 2 '' '*a file expected*' "$ccfread" --json
 expect '--diff with one' 2 '' '*two files expected*' "$ccfread" --diff a.ccf
 expect '--diff with three' 2 '' '*two files expected*' "$ccfread" --diff a.ccf a.ccf a.ccf
-expect '--foo' 2 '' '*unknown option*' "$ccfread" --foo a.ccf
+expect '--foo' 2 '' '*unrecognized option*' "$ccfread" --foo a.ccf
 expect 'no EDS' 2 '' 'ccfread: none.eds: no such file' "$ccfread" -e none.eds a.ccf
 expect 'a CCF as EDS' 2 '' 'a.ccf: error: *' "$ccfread" -e a.ccf a.ccf
 

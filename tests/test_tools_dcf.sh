@@ -139,7 +139,7 @@ expect 'dcf2ccf --version' 0 'dcf2ccf [0-9]*.[0-9]*' '' "$dcf2ccf" --version
 expect 'dcf2ccf without input' 2 '' '*an input file expected*' "$dcf2ccf" -n 5
 expect 'dcf2ccf with too many' 2 '' '*more than*' "$dcf2ccf" device.dcf b c
 expect 'dcf2ccf with two outputs' 2 '' '*one output*' "$dcf2ccf" -o a device.dcf b
-expect 'dcf2ccf --foo' 2 '' '*unknown option*' "$dcf2ccf" --foo device.dcf
+expect 'dcf2ccf --foo' 2 '' '*unrecognized option*' "$dcf2ccf" --foo device.dcf
 for id in 0 128 -1 5x '' 99999999999999999999; do
     expect "dcf2ccf -n '$id'" 2 '' '*1..127 expected*' "$dcf2ccf" -n "$id" device.dcf
 done

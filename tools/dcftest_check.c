@@ -281,6 +281,8 @@ static const char *read_error(const struct file *file, enum co_err err)
         return "no file in it ends in .eds or .dcf";
     if (file->error == ENOENT)
         return file_error_text(CO_ERR_NOT_FOUND);
+    if (file->error == EACCES)
+        return file_error_text(CO_ERR_PERMISSION);
     return file->error ? strerror(file->error) : file_error_text(err);
 }
 

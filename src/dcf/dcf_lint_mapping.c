@@ -75,20 +75,6 @@ static void check_dummy(const struct mapping *self, const struct mapped *mapped)
     tell_length(self, mapped, (uint8_t)mapped->index);
 }
 
-static bool has_direction(const struct dcf_entry *target, bool transmit)
-{
-    switch ((enum od_access)target->access) {
-    case OD_RO:
-    case OD_CONST:
-    case OD_RWR: return transmit;
-    case OD_WO:
-    case OD_RWW: return !transmit;
-    case OD_RW:
-    case OD_NONE: return true;
-    }
-    return true;
-}
-
 static void check_target(const struct mapping *self, const struct mapped *mapped,
                          const struct dcf_entry *target)
 {
@@ -101,7 +87,7 @@ static void check_target(const struct mapping *self, const struct mapped *mapped
         dcf_tell(report, DCF_RULE_MAPPED_NOT_MAPPABLE, mapped->line,
                  "%04Xh:%02X: an object with PDOMapping=1 expected, %04Xh:%02X has 0",
                  mapped->entry->index, mapped->entry->sub, mapped->index, mapped->sub);
-    else if (!has_direction(target, self->transmit))
+    else if (!od_access_fits(target->access, self->transmit))
         dcf_tell(report, DCF_RULE_MAPPING_DIRECTION, mapped->line,
                  "%04Xh:%02X: an object that can be %s expected in %s, %04Xh:%02X is %s",
                  mapped->entry->index, mapped->entry->sub, self->transmit ? "read" : "written",

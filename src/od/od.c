@@ -277,6 +277,20 @@ bool od_can_be_written(const struct od_entry *entry)
     return entry->access != OD_RO && entry->access != OD_CONST && entry->access != OD_NONE;
 }
 
+bool od_access_fits(uint8_t access, bool transmit)
+{
+    switch ((enum od_access)access) {
+    case OD_RO:
+    case OD_CONST:
+    case OD_RWR: return transmit;
+    case OD_WO:
+    case OD_RWW: return !transmit;
+    case OD_RW:
+    case OD_NONE: break;
+    }
+    return true;
+}
+
 /* Of bytes that nobody writes, and of domains, no copy is kept. */
 static bool keep_initial(struct od_entry *entry, const uint8_t *bytes, uint32_t size)
 {

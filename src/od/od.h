@@ -170,6 +170,9 @@ void od_forget_default(struct od_entry *entry);
 /* Clients have the right to write it. */
 bool od_can_be_written(const struct od_entry *entry);
 
+/* An entry of this access (enum od_access) may be mapped into a TPDO, or else an RPDO. */
+bool od_access_fits(uint8_t access, bool transmit);
+
 /* Bytes of a value of this type; 0: varies (strings, domain) or no type of CiA 301. */
 uint32_t od_type_size(uint8_t type);
 bool od_type_known(uint8_t type);

@@ -37,20 +37,6 @@ static sdo_abort_t check_dummy(const struct mapped *mapped, bool transmit)
                                                                          : SDO_NOT_MAPPABLE;
 }
 
-static bool direction_fits(const struct od_entry *entry, bool transmit)
-{
-    switch ((enum od_access)entry->access) {
-    case OD_RO:
-    case OD_CONST:
-    case OD_RWR: return transmit;
-    case OD_WO:
-    case OD_RWW: return !transmit;
-    case OD_NONE:
-    case OD_RW: break;
-    }
-    return true;
-}
-
 static sdo_abort_t check_object(const struct od *od, const struct mapped *mapped, bool transmit)
 {
     const struct od_entry *entry = od_find(od, mapped->index, mapped->sub);
@@ -61,7 +47,7 @@ static sdo_abort_t check_object(const struct od *od, const struct mapped *mapped
         return SDO_NO_OBJECT;
     if (entry == NULL)
         return SDO_NO_SUB;
-    if (!entry->mappable || !direction_fits(entry, transmit) ||
+    if (!entry->mappable || !od_access_fits(entry->access, transmit) ||
         !has_length(entry->type, mapped->bits))
         return SDO_NOT_MAPPABLE;
     return SDO_OK;

@@ -143,8 +143,8 @@ class Files(DcftestTest):
         self.addCleanup((self.folder / "plant" / "closed").chmod, 0o700)
         self.folder.chmod(0o755)
         self.assertEqual(self.check_as_nobody("plant"), [
-            "plant/a.dcf: error: Permission denied [unreadable]",
-            "plant/closed: error: Permission denied [unreadable]"])
+            "plant/a.dcf: error: permission denied [unreadable]",
+            "plant/closed: error: permission denied [unreadable]"])
 
     def check_as_nobody(self, *arguments):
         if os.geteuid() != 0:

@@ -38,9 +38,6 @@ enum audit_rule {
 
 extern const struct co_rule audit_rules[AUDIT_RULE_COUNT];
 
-/* NULL: no rule of that name */
-const struct co_rule *audit_rule_find(const char *name);
-
 /* --- the plant --- */
 
 struct audit_place {

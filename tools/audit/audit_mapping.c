@@ -21,20 +21,6 @@ static bool is_part(const struct audit_pdo *pdo, uint32_t mapped)
            (mapped & 0xFF) < od_type_size(entry->type) * 8;
 }
 
-static bool has_direction(const struct dcf_entry *entry, bool transmit)
-{
-    switch ((enum od_access)entry->access) {
-    case OD_RO:
-    case OD_CONST:
-    case OD_RWR: return transmit;
-    case OD_WO:
-    case OD_RWW: return !transmit;
-    case OD_RW:
-    case OD_NONE: return true;
-    }
-    return true;
-}
-
 static const char *judge_dummy(const struct audit_pdo *pdo, uint16_t index)
 {
     if (pdo->transmit)
@@ -57,7 +43,7 @@ static const char *judge(const struct audit_pdo *pdo, uint32_t mapped)
         return "the device has no such entry";
     if (!entry->mappable)
         return "its PDOMapping is 0";
-    if (!has_direction(entry, pdo->transmit))
+    if (!od_access_fits(entry->access, pdo->transmit))
         return pdo->transmit ? "it is for RPDOs only" : "it is for TPDOs only";
     return has_size(entry, mapped & 0xFF) ? NULL : "the entry has fewer";
 }

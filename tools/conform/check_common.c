@@ -69,11 +69,6 @@ bool check_is_writable(const struct conform_object *object)
     return object->access == OD_RW || object->access == OD_RWR || object->access == OD_RWW;
 }
 
-bool check_is_readable(const struct conform_object *object)
-{
-    return object->access != OD_WO;
-}
-
 bool check_takes_signature(uint16_t index)
 {
     return index == 0x1010 || index == 0x1011;

@@ -22,9 +22,8 @@ bool check_unchanged(struct conform *self, const struct conform_object *object,
 /* The next request of another kind is served: reads 1000h. */
 bool check_still_serves(struct conform *self);
 
-/* SDO clients may write, or read, it as far as is known. */
+/* SDO clients may write it, as far as is known. */
 bool check_is_writable(const struct conform_object *object);
-bool check_is_readable(const struct conform_object *object);
 
 /* Orders, not values: 1010h and 1011h. */
 bool check_takes_signature(uint16_t index);

@@ -259,6 +259,12 @@ static const struct audit_case mappings[] = {
       .text =
           "error: node 5: 1A00h:00 maps 2 objects into TPDO 1, but the device has no 1A00h:02" },
     { .xml5 = "",
+      .dcf5 = TPDO("0", IS("0x185"), IS("255"), "", "240", MAPS("1A00sub1", "0x60000008")) INPUTS,
+      .rules = "pdo-mapping" },
+    { .xml5 = "",
+      .dcf5 = TPDO("0", IS("0x185"), IS("255"), "", "255", MAPS("1A00sub1", "0x60000008")) INPUTS,
+      .rules = "" }, /* multiplexed */
+    { .xml5 = "",
       .dcf5 = TPDO("0", IS("0x185"), IS("255"), "", "0", MAPS("1A00sub1", "0x70000008")),
       .rules = "" }, /* nothing is in it */
 };

@@ -3,8 +3,9 @@
 
 #include "od/od.h"
 
-#define BITS_MAX  64u
-#define DUMMY_END 0x20u /* data types as objects */
+#define BITS_MAX    64u
+#define DUMMY_END   0x20u /* data types as objects */
+#define MULTIPLEXED 0xFEu /* no number of objects from here on */
 
 /* A maker who lets strings and domains be mapped knows how much of them. */
 static bool has_size(const struct dcf_entry *entry, unsigned bits)
@@ -67,13 +68,12 @@ static void check_entry(const struct audit_pdo *pdo, uint8_t sub, const struct a
                    mapped >> 8 & 0xFF, mapped & 0xFF, audit_pdo_label(pdo).text);
 }
 
-/* FEh and FFh are no numbers: they make it a multiplexed PDO. */
 static void check_count(const struct audit_pdo *pdo)
 {
     const uint16_t index = audit_mapping_index(pdo);
     const struct audit_value count = audit_value(pdo->node, index, 0);
 
-    if (count.chosen && count.number <= AUDIT_MAPPED_MAX && count.number > 0 &&
+    if (count.chosen && count.number > 0 && count.number < MULTIPLEXED &&
         audit_lacks(pdo->node, index, (uint8_t)count.number))
         audit_tell(pdo->node->network, count.place, AUDIT_RULE_PDO_MAPPING,
                    "%s: %04Xh:00 maps %u objects into %s, but the device has no %04Xh:%02X: boot "

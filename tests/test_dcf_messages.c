@@ -37,8 +37,8 @@ static const struct {
       "1: warning: [FileInfo]: FileName expected, it is missing or empty\n"
       "3: warning: [FileInfo] FileVersion: no leading zero expected, there is \"005\": read as a "
       "decimal number\n"
-      "4: warning: [FileInfo] FileRevision: a number of 0..255 expected, there is \"1.0\": "
-      "ignored\n"
+      "4: warning: [FileInfo] FileRevision: a number like 26 or 0x1A expected, there is \"1.0\": "
+      "read as 1\n"
       "5: warning: [FileInfo] EDSVersion: 3.0 or 4.0 expected, there is \"4.04\"\n"
       "7: warning: [FileInfo] CreationTime: hh:mm(AM|PM) expected, there is \"09:45AM x\"\n"
       "8: warning: [FileInfo] CreationDate: mm-dd-yyyy expected, there is \"2004-05-15\"\n"
@@ -72,8 +72,8 @@ static const struct {
       "ignored\n"
       "22: warning: [DeviceInfo] CompactPDO: a number of 0..63 expected, there is \"0x40\": "
       "ignored\n"
-      "17: warning: [DeviceInfo] SimpleBootUpSlave: a number of 0..1 expected, there is \"yes\": "
-      "ignored\n"
+      "17: warning: [DeviceInfo] SimpleBootUpSlave: a number like 26 or 0x1A expected, there is "
+      "\"yes\": read as 1\n"
       "23: warning: [DeviceInfo] DynamicChannelsSupported: a number of 0..1 expected, there is "
       "\"2\": ignored\n"
       "20: warning: [DeviceInfo] ExtendedBootUpMaster: not expected any more, kept free for old "
@@ -89,6 +89,9 @@ static const struct {
       "the same ones the later\n"
       "64: warning: [DeviceInfo] CompactPDO: NrOfRXPDO or NrOfTXPDO expected with it, there are no "
       "PDOs\n" },
+    { "a section twice with the same", LINES("[DummyUsage]\nDummy0005=1\nDummy0006=1\n"),
+      "63: warning: [DummyUsage]: expected once, it is also in line 30: keys of both are taken, of "
+      "the same ones the later\n" },
     { "dummies",
       LINES("[DummyUsage]\nDummy0007=1\nDummy0008=1\nDummy0010=1\nDummy001B=0\n"
             "Dummy001C=0\nDummy0001=2\n"),
@@ -158,6 +161,16 @@ static const struct {
     { "a suffix", U8_OBJECT("DefaultValue=1LL\n"),
       "67: warning: [2000] DefaultValue: a number without suffix expected, there is \"1LL\": the "
       "suffix is ignored\n" },
+    { "a number as assemblers have it", U8_OBJECT("ParameterValue=1Ah\n"),
+      "67: warning: [2000] ParameterValue: a number like 26 or 0x1A expected, there is \"1Ah\": "
+      "read as 0x1A\n" },
+    { "another spelling of $NODEID", U8_OBJECT("DefaultValue=(NodeId+0x10)\n"),
+      "67: warning: [2000] DefaultValue: a number like 26 or 0x1A expected, there is "
+      "\"(NodeId+0x10)\": read as $NODEID+0x10\n" },
+    { "a negative number with the digits of a wider type",
+      OBJECT("2000", VAR("2000", "2", "rw") "ParameterValue=0xFFFFFFFE\nHighLimit=-2\n"),
+      "67: warning: [2000] ParameterValue: not more digits than its type has expected, there is "
+      "\"0xFFFFFFFE\": those before are ignored\n" },
     { "quotes", OBJECT("2000", VAR("2000", "9", "rw") "DefaultValue=\"a\"\n"),
       "67: warning: [2000] DefaultValue: text without quotes expected, there is \"\"a\"\": the "
       "quotes count as characters\n" },
@@ -177,14 +190,27 @@ static const struct {
       "ignored\n" },
     { "an access type with something behind it", OBJECT("2000", VAR("2000", "5", "rw # rw")),
       "66: warning: [2000] AccessType: rw alone expected, there is \"rw # rw\"\n" },
-    { "an unknown access type", OBJECT("2000", VAR("2000", "5", "r")),
-      "66: warning: [2000] AccessType: ro, wo, rw, rwr, rww or const expected, there is \"r\": "
+    { "an unknown access type", OBJECT("2000", VAR("2000", "5", "any")),
+      "66: warning: [2000] AccessType: ro, wo, rw, rwr, rww or const expected, there is \"any\": "
       "taken as ro\n" },
+    { "an access type in other words", OBJECT("2000", VAR("2000", "5", "R/W")),
+      "66: warning: [2000] AccessType: ro, wo, rw, rwr, rww or const expected, there is \"R/W\": "
+      "taken as rw\n" },
     { "an unknown data type", OBJECT("2000", VAR("2000", "0x40", "rw") "DefaultValue=1\n"),
       "65: warning: [2000] DataType: a data type of CiA 301 expected, there is 0x40: the entry "
-      "cannot be used\n"
-      "67: warning: [2000] DefaultValue: a data type of CiA 301 (unknown type) expected, there is "
-      "\"1\": ignored\n" },
+      "cannot be used\n" },
+    { "no data type", OBJECT("2000", "[2000]\nParameterName=x\nAccessType=rw\nDefaultValue=1\n"),
+      "63: warning: [2000] DataType: a data type of CiA 301 expected, it is missing: the entry "
+      "cannot be used\n" },
+    { "a data type by its name", OBJECT("2000", VAR("2000", "Unsigned8", "rw") "DefaultValue=9\n"),
+      "65: warning: [2000] DataType: a number expected, there is \"Unsigned8\": taken as "
+      "0x0005\n" },
+    { "an object type by its name", U8_OBJECT("ObjectType=VAR\n"),
+      "67: warning: [2000] ObjectType: a number expected, there is \"VAR\": taken as 7\n" },
+    { "an object type that is told once", U8_OBJECT("ObjectType=07\n"),
+      "67: warning: [2000] ObjectType: no leading zero expected, there is \"07\": read as a "
+      "decimal "
+      "number\n" },
     { "unknown flags", U8_OBJECT("ObjFlags=0x10\n"),
       "67: warning: [2000] ObjFlags: 0..3 expected, there is 10: bits 2 to 31 are ignored\n" },
     { "a flag that is none", U8_OBJECT("PDOMapping=2\n"),
@@ -227,6 +253,12 @@ static const struct {
     { "no sub-indices", OBJECT("2000", "[2000]\nParameterName=x\nObjectType=8\n"),
       "63: warning: [2000]: sections for its sub-indices expected, there are none: nothing of it "
       "is used\n" },
+    { "sub-indices in decimal",
+      OBJECT("2000",
+             "[2000]\nParameterName=x\nObjectType=8\nSubNumber=3\n" VAR("2000sub0", "5", "ro")
+                 VAR("2000sub9", "7", "ro") VAR("2000sub10", "7", "ro")),
+      "75: warning: [2000sub10]: [2000subA] expected behind [2000sub9], sub-indices are "
+      "hexadecimal: taken as 16\n" },
     { "no sub-index 0",
       OBJECT("2000",
              "[2000]\nParameterName=x\nObjectType=8\nSubNumber=1\n" VAR("2000sub1", "5", "ro")),
@@ -249,8 +281,21 @@ static const struct {
     { "sub-indices without object", OBJECT("2000", VAR("2000sub0", "5", "ro")),
       "63: warning: [2000sub0]: a section [2000] for its object expected, it is missing\n" },
     { "an array of nothing", OBJECT("2000", "[2000]\nParameterName=x\nObjectType=8\nSubNumber=2\n"),
-      "63: warning: [2000] SubNumber: 0 expected (so many sub-index sections are there), it is "
-      "2\n" },
+      "63: warning: [2000]: sections for its sub-indices expected, there are none: nothing of it "
+      "is used\n" },
+    { "... that does not say so",
+      OBJECT("2000", "[2000]\nParameterName=x\nObjectType=8\nDataType=5\nAccessType=rw\n"),
+      "63: warning: [2000]: sections for its sub-indices expected, there are none: nothing of it "
+      "is used\n" },
+    { "no SubNumber",
+      OBJECT("2000", "[2000]\nParameterName=x\nObjectType=8\n" VAR("2000sub0", "5", "ro")),
+      "63: warning: [2000] SubNumber: 1 expected (so many sub-index sections are there), it is "
+      "missing\n" },
+    { "a SubNumber that is none",
+      OBJECT("2000",
+             "[2000]\nParameterName=x\nObjectType=8\nSubNumber=A\n" VAR("2000sub0", "5", "ro")),
+      "66: warning: [2000] SubNumber: a number of 0..255 expected, there is \"A\": ignored\n" },
+    { "a SubNumber of a VAR that is 0", U8_OBJECT("SubNumber=0\nCompactSubObj=0\n"), "" },
     { "compact and not",
       OBJECT("2000", "[2000]\nParameterName=x\nObjectType=8\nSubNumber=1\nCompactSubObj=3\n" VAR(
                          "2000sub0", "5", "ro")),
@@ -273,6 +318,24 @@ static const struct {
       "73: warning: [2000Value]: a sub-index of 2000h in decimal expected, there is \"0x1\": "
       "ignored\n"
       "69: warning: [2000Value] NrOfEntries: 3 expected (so many are there), it is 1\n" },
+    { "a list with its number spelt otherwise",
+      LINES("[OptionalObjects]\nSupportedObjects=\nSupported Objects=0\n"),
+      "63: warning: [OptionalObjects]: expected once, it is also in line 39: keys of both are "
+      "taken, of the same ones the later\n"
+      "64: warning: [OptionalObjects] SupportedObjects: expected once, it is also in line 40: "
+      "\"\" counts, not \"0\"\n"
+      "65: warning: [OptionalObjects]: SupportedObjects expected, there is \"Supported "
+      "Objects\"\n" },
+    { "a list without its number, and an index with something behind it",
+      LINES("[OptionalObjects]\nSupportedObjects=\n1=1002h\n" VAR("1002", "7", "ro")),
+      "63: warning: [OptionalObjects]: expected once, it is also in line 39: keys of both are "
+      "taken, of the same ones the later\n"
+      "64: warning: [OptionalObjects] SupportedObjects: expected once, it is also in line 40: "
+      "\"\" counts, not \"0\"\n"
+      "65: warning: [OptionalObjects] 1: a number like 26 or 0x1A expected, there is \"1002h\": "
+      "read as 0x1002\n"
+      "63: warning: [OptionalObjects] SupportedObjects: 1 expected (so many are listed), it is "
+      "missing\n" },
     { "an index in no list", LINES(VAR("2000", "5", "ro")),
       "63: warning: [2000]: its index expected in [ManufacturerObjects], it is in no list\n" },
     { "indices without section or in the wrong list, and twice",
@@ -304,6 +367,14 @@ static const struct {
       "63: warning: [DeviceComissioning] NodeID: 1..127 expected, it is missing or empty\n"
       "63: warning: [DeviceComissioning] Baudrate: 10, 20, 50, 125, 250, 500, 800 or 1000 "
       "expected, there is none: not configured\n" },
+    { "a bit rate in bit/s", COMMISSIONING("NodeID=05\nBaudrate=500000\n"),
+      "64: warning: [DeviceComissioning] NodeID: no leading zero expected, there is \"05\": read "
+      "as "
+      "a decimal number\n"
+      "65: warning: [DeviceComissioning] Baudrate: 500 expected (kbit/s), there is \"500000\"\n" },
+    { "a bit rate with its unit", COMMISSIONING("NodeID=5\nBaudrate=1000 kBit/s\n"),
+      "65: warning: [DeviceComissioning] Baudrate: 1000 expected (kbit/s), there is \"1000 "
+      "kBit/s\"\n" },
     { "a node-ID and bit rate that are not configured", COMMISSIONING("NodeID=0xFF\nBaudrate=0\n"),
       "64: warning: [DeviceComissioning] NodeID: 1..127 expected, there is \"0xFF\": taken as not "
       "configured\n"
@@ -396,6 +467,18 @@ static const struct {
       DCF_ERROR_WRONG_BAUDRATE,
       "65: error: [DeviceComissioning] Baudrate: 10, 20, 50, 125, 250, 500, 800 or 1000 expected, "
       "there is \"333\"\n" },
+    { "a node-ID beyond all numbers", COMMISSIONING("NodeID=18446744073709551621\nBaudrate=500\n"),
+      DCF_ERROR_WRONG_NODE_ID,
+      "64: error: [DeviceComissioning] NodeID: 1..127 expected, there is "
+      "\"18446744073709551621\"\n" },
+    { "a bit rate beyond all numbers", COMMISSIONING("NodeID=5\nBaudrate=18446744073709552116\n"),
+      DCF_ERROR_WRONG_BAUDRATE,
+      "65: error: [DeviceComissioning] Baudrate: 10, 20, 50, 125, 250, 500, 800 or 1000 expected, "
+      "there is \"18446744073709552116\"\n" },
+    { "a bit rate in bit/s with a unit of kbit/s", COMMISSIONING("NodeID=5\nBaudrate=500000k\n"),
+      DCF_ERROR_WRONG_BAUDRATE,
+      "65: error: [DeviceComissioning] Baudrate: 10, 20, 50, 125, 250, 500, 800 or 1000 expected, "
+      "there is \"500000k\"\n" },
     { "a formula that leaves its type",
       OBJECT("2000",
              VAR("2000", "5", "rw") "ParameterValue=$NODEID+250\n"

@@ -24,7 +24,7 @@ static const struct {
     { "comments are missing", LINES("[Comments]\nLines=3\nLine1=a\nLine2=b\n"),
       "63: warning: [Comments] Lines: 2 expected (so many are listed), it is 3\n" },
     { "too many comments", LINES("[Comments]\nLine1=a\nLineX=b\nLine=c\n"),
-      "63: warning: [Comments] Lines: 1 expected (so many are listed), it is 0\n"
+      "63: warning: [Comments] Lines: 1 expected (so many are listed), it is missing\n"
       "65: warning: [Comments]: a keyword of CiA 306 for this section expected, there is "
       "\"LineX\": "
       "ignored\n"
@@ -33,8 +33,8 @@ static const struct {
     { "a gap in comments", LINES("[Comments]\nLines=2\nLine1=a\nLine3=b\n"),
       "63: warning: [Comments]: Line1 to Line2 expected, Line2 is missing\n" },
     { "the number of comments is none", LINES("[Comments]\nLines=many\nLine1=a\n"),
-      "64: warning: [Comments] Lines: a number of 0..65535 expected, there is \"many\": ignored\n"
-      "63: warning: [Comments] Lines: 1 expected (so many are listed), it is 0\n" },
+      "64: warning: [Comments] Lines: a number of 0..65535 expected, there is \"many\": "
+      "ignored\n" },
     { "tools without a list", LINES("[Tool1]\nName=a\nCommand=b\n"),
       "63: warning: [Tools] Items: 1 expected (so many sections [Tooln] are there), it is 0\n" },
     { "tools are missing", LINES("[Tools]\nItems=2\nName=x\n[Tool1]\nName=\nVersion=1\n"),

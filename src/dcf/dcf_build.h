@@ -11,6 +11,13 @@
 
 #define DCF_ENTRIES_MAX 131072u /* what two lines can ask for must not take all memory */
 
+#define OBJECT_DOMAIN    2u
+#define OBJECT_DEFTYPE   5u
+#define OBJECT_DEFSTRUCT 6u
+#define OBJECT_VAR       7u
+#define OBJECT_ARRAY     8u
+#define OBJECT_RECORD    9u
+
 #define EDS_VERSION_3 30u /* where the file tells none */
 #define EDS_VERSION_4 40u
 
@@ -21,7 +28,7 @@ struct dcf_builder {
     bool no_memory;      /* once set, the rest is only passed through */
     uint8_t compact_pdo; /* [DeviceInfo] CompactPDO */
     uint8_t eds_version; /* 40: 4.0 */
-    unsigned no_name;    /* entries without ParameterName, and the first one's line */
+    unsigned no_name;    /* sections without ParameterName, and the first one's line */
     unsigned no_name_line;
 };
 
@@ -33,8 +40,9 @@ void dcf_build_commissioning(struct dcf_builder *self);
 
 /* dcf_numbered.c: sections with a number of entries and the keywords 1, 2, 3, ... */
 struct dcf_numbered {
-    const char *count_key; /* "SupportedObjects" */
-    const char *prefix;    /* "Line" in front of the numbers, or "" */
+    const char *count_key;       /* "SupportedObjects" */
+    const char *other_count_key; /* as some files spell it, or NULL */
+    const char *prefix;          /* "Line" in front of the numbers, or "" */
     bool may_be_empty;
     enum dcf_rule rule; /* for a count that is wrong */
     /* Gets each entry, or NULL. */
@@ -68,8 +76,13 @@ size_t dcf_build_group(struct dcf_builder *self, size_t place);
 struct dcf_entry *dcf_build_entry(struct dcf_builder *self, uint16_t index, uint8_t sub);
 void dcf_sort_entries(struct dcf_builder *self);
 
-/* dcf_entry.c: one section's keys into an entry */
+/* dcf_entry.c: one section's keys into an entry, whose index, sub-index and object type are set */
 void dcf_fill_entry(struct dcf_builder *self, struct dcf_section *section, struct dcf_entry *entry);
+
+/* Notes a section without a ParameterName. */
+void dcf_expect_name(struct dcf_builder *self, struct dcf_section *section);
+/* The ObjectType of a section, OBJECT_VAR where there is none. */
+uint8_t dcf_read_object_type(struct dcf_builder *self, struct dcf_section *section);
 
 const char *dcf_access_text(uint8_t access);
 
@@ -119,6 +132,9 @@ unsigned dcf_key_line(struct dcf_section *section, const char *name);
 /* The key as a value of an entry: one that is not valid is an error if 'strict', else a warning. */
 void dcf_key_value(struct dcf_builder *self, const struct dcf_section *section,
                    const struct dcf_key *key, uint8_t type, bool strict, struct dcf_value *value);
+/* What was tolerated in the key's value: DCF_QUIRK_... */
+void dcf_tell_quirks(const struct dcf_builder *self, const struct dcf_section *section,
+                     const struct dcf_key *key, unsigned quirks);
 void dcf_tell_unused(struct dcf_builder *self, const struct dcf_section *section);
 /* The name of the file, or an empty one. */
 struct dcf_slice dcf_report_file(const struct dcf_builder *self);

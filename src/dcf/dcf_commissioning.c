@@ -5,6 +5,12 @@ static const unsigned bit_rates[] = { 10, 20, 50, 125, 250, 500, 800, 1000 };
 
 #define BIT_RATE_COUNT (sizeof bit_rates / sizeof bit_rates[0])
 
+static bool parse_number(struct dcf_slice text, struct dcf_number *ret_number)
+{
+    return dcf_number_parse(text, ret_number) && !ret_number->has_node_id &&
+           !ret_number->negative && !ret_number->too_large;
+}
+
 static void build_node_id(struct dcf_builder *self, struct dcf_section *section)
 {
     const struct dcf_key *key = dcf_section_find(section, "NodeID");
@@ -18,10 +24,11 @@ static void build_node_id(struct dcf_builder *self, struct dcf_section *section)
                  dcf_show(section->name).text);
         return;
     }
-    is_number = dcf_number_parse(key->value, &number) && !number.has_node_id && !number.negative;
+    is_number = parse_number(key->value, &number);
     if (is_number && number.magnitude >= 1 && number.magnitude <= 127) {
         self->dcf->has_node_id = true;
         self->dcf->node_id = (uint8_t)number.magnitude;
+        dcf_tell_quirks(self, section, key, number.quirks);
     } else if (is_number && (number.magnitude == 0 || number.magnitude == 255)) {
         dcf_tell(self->report, DCF_RULE_NODE_ID_UNSET, key->line,
                  "[%s] NodeID: 1..127 expected, there is \"%s\": taken as not configured",
@@ -35,38 +42,76 @@ static void build_node_id(struct dcf_builder *self, struct dcf_section *section)
 
 #define BIT_RATES "10, 20, 50, 125, 250, 500, 800 or 1000"
 
-/* 0 where the text is none of the rates in kbit/s. */
-static unsigned parse_bit_rate(struct dcf_slice text, bool *ret_is_zero)
+/* "500k", "500 kbit/s" */
+static struct dcf_slice cut_unit(struct dcf_slice text)
 {
+    size_t size = 0;
+
+    while (size < text.size && text.text[size] >= '0' && text.text[size] <= '9')
+        size++;
+    return dcf_slice_begins(dcf_slice_trim(dcf_slice_skip(text, size)), "k")
+               ? dcf_slice_cut(text, size)
+               : text;
+}
+
+struct bit_rate {
+    unsigned kbit; /* 0: none of those of CiA 301 */
+    bool is_zero;
+    bool has_unit; /* or is in bit/s */
+    unsigned quirks;
+};
+
+static struct bit_rate parse_bit_rate(struct dcf_slice text)
+{
+    struct bit_rate rate = { .kbit = 0 };
+    struct dcf_slice digits = cut_unit(text);
     struct dcf_number number;
 
-    *ret_is_zero = false;
-    if (!dcf_number_parse(text, &number) || number.has_node_id || number.negative)
-        return 0;
-    *ret_is_zero = number.magnitude == 0;
+    if (!parse_number(digits, &number))
+        return rate;
+    rate.is_zero = number.magnitude == 0;
+    rate.quirks = number.quirks;
     for (size_t i = 0; i < BIT_RATE_COUNT; i++) {
-        if (number.magnitude == bit_rates[i])
-            return bit_rates[i];
+        bool in_bits = digits.size == text.size && number.magnitude == 1000u * bit_rates[i];
+
+        if (!in_bits && number.magnitude != bit_rates[i])
+            continue;
+        rate.kbit = bit_rates[i];
+        rate.has_unit = in_bits || digits.size < text.size;
     }
-    return 0;
+    return rate;
+}
+
+static void tell_bit_rate(struct dcf_builder *self, const struct dcf_section *section,
+                          const struct dcf_key *key, const struct bit_rate *rate)
+{
+    if (rate->has_unit)
+        dcf_tell(self->report, DCF_RULE_BIT_RATE_UNIT, key->line,
+                 "[%s] Baudrate: %u expected (kbit/s), there is \"%s\"",
+                 dcf_show(section->name).text, rate->kbit, dcf_show(key->value).text);
+    else if (rate->kbit != 0)
+        dcf_tell_quirks(self, section, key, rate->quirks);
+    else
+        dcf_tell(self->report, DCF_RULE_BIT_RATE, key->line,
+                 "[%s] Baudrate: " BIT_RATES " expected, there is \"%s\"",
+                 dcf_show(section->name).text, dcf_show(key->value).text);
 }
 
 static void build_bit_rate(struct dcf_builder *self, struct dcf_section *section)
 {
     const struct dcf_key *key = dcf_section_find(section, "Baudrate");
-    bool is_zero = false;
+    struct bit_rate rate = { .is_zero = true };
 
-    self->dcf->baudrate_line = key ? key->line : section->line;
     if (key)
-        self->dcf->baudrate = parse_bit_rate(key->value, &is_zero);
-    if (!key || is_zero)
+        rate = parse_bit_rate(key->value);
+    self->dcf->baudrate_line = key ? key->line : section->line;
+    self->dcf->baudrate = rate.kbit;
+    if (rate.is_zero)
         dcf_tell(self->report, DCF_RULE_BIT_RATE_UNSET, self->dcf->baudrate_line,
                  "[%s] Baudrate: " BIT_RATES " expected, there is %s: not configured",
                  dcf_show(section->name).text, key ? "0" : "none");
-    else if (self->dcf->baudrate == 0)
-        dcf_tell(self->report, DCF_RULE_BIT_RATE, key->line,
-                 "[%s] Baudrate: " BIT_RATES " expected, there is \"%s\"",
-                 dcf_show(section->name).text, dcf_show(key->value).text);
+    else
+        tell_bit_rate(self, section, key, &rate);
 }
 
 void dcf_build_commissioning(struct dcf_builder *self)

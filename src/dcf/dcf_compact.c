@@ -5,8 +5,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#define OBJECT_ARRAY 8u
-
 #define ERROR_FIELD 0x1003u
 
 static bool is_mapping(uint16_t index)
@@ -51,7 +49,7 @@ void dcf_build_element(struct dcf_builder *self, const struct dcf_entry *pattern
 
 void dcf_build_compact(struct dcf_builder *self, struct dcf_section *section, unsigned count)
 {
-    struct dcf_entry pattern = { .index = section->index };
+    struct dcf_entry pattern = { .index = section->index, .object_type = OBJECT_ARRAY };
 
     dcf_fill_entry(self, section, &pattern);
     if (pattern.parameter.given)

@@ -5,8 +5,6 @@
 
 #include <stdlib.h>
 
-#define OBJECT_RECORD 9u
-
 #define PDOS_MAX       512u
 #define PREDEFINED_PDO 4u
 #define MAPPING_BITS   64u

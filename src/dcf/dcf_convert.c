@@ -107,8 +107,10 @@ static enum dcf_fit convert_integer(struct dcf_slice text, uint8_t type, struct 
 {
     struct dcf_number number;
 
-    if (!dcf_number_parse(text, &number))
+    if (type == OD_BOOLEAN ? !dcf_number_parse_flag(text, &number)
+                           : !dcf_number_parse(text, &number))
         return DCF_NO_VALUE;
+    dcf_number_narrow(&number, type);
     *quirks |= number.quirks;
     value->has_node_id = number.has_node_id;
     value->size = od_type_size(type);

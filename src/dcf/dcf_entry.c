@@ -1,10 +1,38 @@
 /* One object or sub-index section as an entry. */
 #include "dcf/dcf_build.h"
 
-#define OBJECT_DOMAIN 2u
-#define OBJECT_VAR    7u
-
 #define FLAGS_KNOWN 3u
+
+static const struct {
+    const char *name;
+    uint8_t object_type;
+} object_types[] = {
+    { "DOMAIN", OBJECT_DOMAIN }, { "DEFTYPE", OBJECT_DEFTYPE }, { "DEFSTRUCT", OBJECT_DEFSTRUCT },
+    { "VAR", OBJECT_VAR },       { "ARRAY", OBJECT_ARRAY },     { "RECORD", OBJECT_RECORD },
+};
+
+#define OBJECT_TYPE_COUNT (sizeof object_types / sizeof object_types[0])
+
+static bool begins_word(struct dcf_slice text)
+{
+    return text.text[0] >= 'A';
+}
+
+uint8_t dcf_read_object_type(struct dcf_builder *self, struct dcf_section *section)
+{
+    const struct dcf_key *key = dcf_section_find(section, "ObjectType");
+
+    for (size_t i = 0; key && begins_word(key->value) && i < OBJECT_TYPE_COUNT; i++) {
+        if (!dcf_slice_is(key->value, object_types[i].name))
+            continue;
+        dcf_tell(self->report, DCF_RULE_OBJECT_TYPE, key->line,
+                 "[%s] ObjectType: a number expected, there is \"%s\": taken as %u",
+                 dcf_show(section->name).text, dcf_show(key->value).text,
+                 object_types[i].object_type);
+        return object_types[i].object_type;
+    }
+    return (uint8_t)dcf_number_of_key(self, section, key, UINT8_MAX, OBJECT_VAR);
+}
 
 static const struct {
     const char *text;
@@ -23,6 +51,27 @@ const char *dcf_access_text(uint8_t access)
     return "none";
 }
 
+/* Other words for them that leave no doubt. */
+static const struct {
+    const char *text;
+    enum od_access access;
+} other_accesses[] = {
+    { "r", OD_RO },         { "w", OD_WO },          { "r/w", OD_RW },
+    { "w/r", OD_RW },       { "wr", OD_RW },         { "readonly", OD_RO },
+    { "read only", OD_RO }, { "read-only", OD_RO },  { "constant", OD_CONST },
+    { "writeonly", OD_WO }, { "write only", OD_WO }, { "write-only", OD_WO },
+    { "readwrite", OD_RW }, { "read/write", OD_RW },
+};
+
+static enum od_access parse_other_access(struct dcf_slice text)
+{
+    for (size_t i = 0; i < sizeof other_accesses / sizeof other_accesses[0]; i++) {
+        if (dcf_slice_is(text, other_accesses[i].text))
+            return other_accesses[i].access;
+    }
+    return OD_RO;
+}
+
 /* The letters at the beginning: "rw # comment" is "rw". */
 static struct dcf_slice first_word(struct dcf_slice text)
 {
@@ -38,6 +87,7 @@ static enum od_access parse_access(struct dcf_builder *self, const struct dcf_se
                                    const struct dcf_key *key)
 {
     struct dcf_slice word = first_word(key->value);
+    enum od_access access;
 
     for (size_t i = 0; i < sizeof accesses / sizeof accesses[0]; i++) {
         if (!dcf_slice_is(word, accesses[i].text))
@@ -48,11 +98,13 @@ static enum od_access parse_access(struct dcf_builder *self, const struct dcf_se
                      dcf_show(section->name).text, accesses[i].text, dcf_show(key->value).text);
         return accesses[i].access;
     }
+    access = parse_other_access(key->value);
     dcf_tell(self->report, DCF_RULE_ACCESS_TYPE, key->line,
              "[%s] AccessType: ro, wo, rw, rwr, rww or const expected, there is \"%s\": "
-             "taken as ro",
-             dcf_show(section->name).text, dcf_show(key->value).text);
-    return OD_RO;
+             "taken as %s",
+             dcf_show(section->name).text, dcf_show(key->value).text,
+             dcf_access_text((uint8_t)access));
+    return access;
 }
 
 static void fill_access(struct dcf_builder *self, struct dcf_section *section,
@@ -69,17 +121,46 @@ static void fill_access(struct dcf_builder *self, struct dcf_section *section,
                  dcf_show(section->name).text);
 }
 
+static uint8_t find_type(struct dcf_slice name)
+{
+    for (unsigned type = 1; type <= UINT8_MAX; type++) {
+        if (od_type_known((uint8_t)type) && dcf_slice_is(name, od_type_name((uint8_t)type)))
+            return (uint8_t)type;
+    }
+    return 0;
+}
+
+/* 0: none of CiA 301 (not told) */
+static uint8_t parse_type(struct dcf_builder *self, const struct dcf_section *section,
+                          const struct dcf_key *key)
+{
+    struct dcf_number number;
+    uint8_t type = begins_word(key->value) ? find_type(key->value) : 0;
+
+    if (type != 0) {
+        dcf_tell(self->report, DCF_RULE_DATA_TYPE, key->line,
+                 "[%s] DataType: a number expected, there is \"%s\": taken as 0x%04X",
+                 dcf_show(section->name).text, dcf_show(key->value).text, type);
+        return type;
+    }
+    if (!dcf_number_parse(key->value, &number) || number.has_node_id || number.negative ||
+        number.magnitude > UINT8_MAX || !od_type_known((uint8_t)number.magnitude))
+        return 0;
+    dcf_tell_quirks(self, section, key, number.quirks);
+    return (uint8_t)number.magnitude;
+}
+
 static void fill_type(struct dcf_builder *self, struct dcf_section *section,
                       struct dcf_entry *entry)
 {
-    uint32_t missing = entry->object_type == OBJECT_DOMAIN ? OD_DOMAIN : 0;
     const struct dcf_key *key = dcf_section_find(section, "DataType");
-    uint32_t type = dcf_number_of_key(self, section, key, UINT16_MAX, missing);
 
-    if (type <= UINT8_MAX && od_type_known((uint8_t)type)) {
-        entry->type = (uint8_t)type;
+    if (key)
+        entry->type = parse_type(self, section, key);
+    else if (entry->object_type == OBJECT_DOMAIN)
+        entry->type = OD_DOMAIN;
+    if (entry->type != 0)
         return;
-    }
     if (entry->sub == 0 &&
         (section->kind == DCF_SECTION_SUB || section->kind == DCF_SECTION_FIXED_SUB))
         entry->type = OD_UNSIGNED8;
@@ -90,11 +171,9 @@ static void fill_type(struct dcf_builder *self, struct dcf_section *section,
              entry->type ? "taken as UNSIGNED8" : "the entry cannot be used");
 }
 
-static void fill_name(struct dcf_builder *self, struct dcf_section *section,
-                      struct dcf_entry *entry)
+void dcf_expect_name(struct dcf_builder *self, struct dcf_section *section)
 {
-    dcf_key_text(self, section, "ParameterName", &entry->name);
-    if (!entry->name && self->no_name++ == 0)
+    if (!dcf_section_find(section, "ParameterName") && self->no_name++ == 0)
         self->no_name_line = section->line;
 }
 
@@ -115,7 +194,7 @@ static void fill_value(struct dcf_builder *self, const struct dcf_section *secti
 {
     bool strict = value == &entry->parameter && dcf_entry_downloads(entry);
 
-    if (key)
+    if (key && (entry->type != 0 || strict)) /* what has no type was told */
         dcf_key_value(self, section, key, entry->type, strict, value);
 }
 
@@ -158,9 +237,8 @@ static void fill_files(struct dcf_builder *self, struct dcf_section *section,
 void dcf_fill_entry(struct dcf_builder *self, struct dcf_section *section, struct dcf_entry *entry)
 {
     entry->line = section->line;
-    entry->object_type = (uint8_t)dcf_key_number(self, section, "ObjectType", UINT8_MAX,
-                                                 OBJECT_VAR);
-    fill_name(self, section, entry);
+    dcf_expect_name(self, section);
+    dcf_key_text(self, section, "ParameterName", &entry->name);
     fill_type(self, section, entry);
     fill_access(self, section, entry);
     fill_flags(self, section, entry);

@@ -17,14 +17,27 @@ static const struct {
       "read as a decimal number" },
     { DCF_QUIRK_SUFFIX, DCF_RULE_NUMBER_SUFFIX, "a number without suffix",
       "the suffix is ignored" },
+    { DCF_QUIRK_FORM, DCF_RULE_NUMBER_FORM, "a number like 26 or 0x1A", NULL },
+    { DCF_QUIRK_WIDE, DCF_RULE_NUMBER_FORM, "not more digits than its type has",
+      "those before are ignored" },
     { DCF_QUIRK_TEXT, DCF_RULE_HEX_BYTES, "hexadecimal digits", "taken as text" },
     { DCF_QUIRK_QUOTES, DCF_RULE_QUOTES, "text without quotes", "the quotes count as characters" },
     { DCF_QUIRK_DOMAIN, DCF_RULE_DOMAIN_VALUE, "a DownloadFile as value of a DOMAIN",
       "taken as bytes" },
 };
 
-static void tell_quirks(const struct dcf_builder *self, const struct dcf_section *section,
-                        const struct dcf_key *key, unsigned quirks)
+static struct dcf_shown read_as(struct dcf_slice text)
+{
+    struct dcf_number number = { .magnitude = 0 };
+    struct dcf_shown shown;
+
+    dcf_number_parse_flag(text, &number);
+    snprintf(shown.text, sizeof shown.text, "read as %.40s", dcf_number_show(&number).text);
+    return shown;
+}
+
+void dcf_tell_quirks(const struct dcf_builder *self, const struct dcf_section *section,
+                     const struct dcf_key *key, unsigned quirks)
 {
     for (size_t i = 0; quirks && i < sizeof quirk_texts / sizeof quirk_texts[0]; i++) {
         if (quirks & quirk_texts[i].quirk)
@@ -32,7 +45,8 @@ static void tell_quirks(const struct dcf_builder *self, const struct dcf_section
                      "[%s] %s: %s expected, there is "
                      "\"%s\": %s",
                      dcf_show(section->name).text, dcf_show(key->name).text,
-                     quirk_texts[i].expected, dcf_show(key->value).text, quirk_texts[i].done);
+                     quirk_texts[i].expected, dcf_show(key->value).text,
+                     quirk_texts[i].done ? quirk_texts[i].done : read_as(key->value).text);
     }
 }
 
@@ -43,15 +57,16 @@ uint32_t dcf_number_of_key(struct dcf_builder *self, const struct dcf_section *s
 
     if (!key)
         return missing;
-    if (!dcf_number_parse(key->value, &number) || number.has_node_id || number.negative ||
-        number.too_large || number.magnitude > most) {
+    if (!(most == 1 ? dcf_number_parse_flag(key->value, &number)
+                    : dcf_number_parse(key->value, &number)) ||
+        number.has_node_id || number.negative || number.too_large || number.magnitude > most) {
         dcf_tell(self->report, DCF_RULE_KEY_NUMBER, key->line,
                  "[%s] %s: a number of 0..%lu expected, there is \"%s\": ignored",
                  dcf_show(section->name).text, dcf_show(key->name).text, (unsigned long)most,
                  dcf_show(key->value).text);
         return missing;
     }
-    tell_quirks(self, section, key, number.quirks);
+    dcf_tell_quirks(self, section, key, number.quirks);
     return (uint32_t)number.magnitude;
 }
 
@@ -174,7 +189,7 @@ void dcf_key_value(struct dcf_builder *self, const struct dcf_section *section,
 
     switch (fit) {
     case DCF_FITS:
-        tell_quirks(self, section, key, quirks);
+        dcf_tell_quirks(self, section, key, quirks);
         *value = converted;
         value->line = key->line;
         break;

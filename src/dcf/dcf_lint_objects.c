@@ -1,9 +1,7 @@
 /* Sub-indices of an object against each other. */
 #include "dcf/dcf_lint_parts.h"
 
-#define OBJECT_ARRAY 8u
-#define FIRST_OWN    0x2000u
-
+#define FIRST_OWN     0x2000u
 #define ERROR_FIELD   0x1003u
 #define STRUCTURE_SUB 0xFFu
 

@@ -90,6 +90,7 @@ static void take_listed(void *context, const struct dcf_section *section, const 
 static void check_list(struct dcf_builder *self, const struct list *list, struct place *places)
 {
     static const struct dcf_numbered form = { .count_key = "SupportedObjects",
+                                              .other_count_key = "Supported Objects",
                                               .prefix = "",
                                               .rule = DCF_RULE_LIST_COUNT,
                                               .take = take_listed };

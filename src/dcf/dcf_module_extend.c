@@ -3,8 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define OBJECT_ARRAY 8u
-
 #define INDEX_COUNT 65536u
 #define SUB_MAX     254u
 
@@ -79,6 +77,7 @@ static void read_extension(struct dcf_modules *self, struct dcf_section *section
         return;
     *extension = (struct dcf_extension){ .module = section->part };
     extension->pattern.index = section->index;
+    extension->pattern.object_type = dcf_read_object_type(builder, section);
     dcf_fill_entry(builder, section, &extension->pattern);
     read_count(builder, section, extension);
     extension->most = dcf_key_number(builder, section, "ObjExtend", SUB_MAX, 0);

@@ -5,6 +5,7 @@
 
 #include <locale.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -64,6 +65,7 @@ static bool parse_integer(struct dcf_slice text, struct dcf_number *number)
 {
     uint64_t magnitude = 0, base, most;
 
+    *number = (struct dcf_number){ .magnitude = 0 };
     text = cut_suffix(parse_prefix(text, number), number);
     base = number->hex ? 16 : 10;
     most = UINT64_MAX / base;
@@ -80,13 +82,13 @@ static bool parse_integer(struct dcf_slice text, struct dcf_number *number)
     return text.size > 0;
 }
 
-/* Takes "$NODEID" and its "+" off one end; what is left is the number. */
-static bool take_node_id(struct dcf_slice *text)
+/* Takes the name of the node-ID and its "+" off one end; what is left is the number. */
+static bool take_name(struct dcf_slice *text, const char *name)
 {
     struct dcf_slice rest;
 
-    if (dcf_slice_begins(*text, NODE_ID)) {
-        rest = dcf_slice_trim(dcf_slice_skip(*text, strlen(NODE_ID)));
+    if (dcf_slice_begins(*text, name)) {
+        rest = dcf_slice_trim(dcf_slice_skip(*text, strlen(name)));
         if (rest.size > 0 && rest.text[0] != '+')
             return false;
         *text = dcf_slice_of("0");
@@ -94,31 +96,137 @@ static bool take_node_id(struct dcf_slice *text)
             *text = dcf_slice_trim(dcf_slice_skip(rest, 1));
         return true;
     }
-    if (!dcf_slice_ends(*text, NODE_ID))
+    if (!dcf_slice_ends(*text, name))
         return false;
-    rest = dcf_slice_trim(dcf_slice_cut(*text, text->size - strlen(NODE_ID)));
+    rest = dcf_slice_trim(dcf_slice_cut(*text, text->size - strlen(name)));
     if (!dcf_slice_ends(rest, "+"))
         return false;
     *text = dcf_slice_trim(dcf_slice_cut(rest, rest.size - 1));
     return true;
 }
 
+static struct dcf_slice cut_parentheses(struct dcf_slice text)
+{
+    if (text.size < 2 || text.text[0] != '(' || text.text[text.size - 1] != ')')
+        return text;
+    return dcf_slice_trim(dcf_slice_cut(dcf_slice_skip(text, 1), text.size - 2));
+}
+
+static bool take_node_id(struct dcf_slice *text, unsigned *quirks)
+{
+    static const char *const others[] = { NODE_ID,  "$NODE_ID", "$NODE-ID",
+                                          "NODEID", "NODE_ID",  "NODE-ID" };
+    struct dcf_slice formula = cut_parentheses(*text);
+
+    if (take_name(text, NODE_ID))
+        return true;
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
+        if (!take_name(&formula, others[i]))
+            continue;
+        *quirks |= DCF_QUIRK_FORM;
+        *text = formula;
+        return true;
+    }
+    return false;
+}
+
+/* "1Ah"; a word begins with a letter. */
+static bool parse_assembler(struct dcf_slice text, struct dcf_number *number)
+{
+    *number = (struct dcf_number){ .hex = true };
+    if (text.size < 2 || text.text[0] > '9' || !dcf_slice_ends(text, "h"))
+        return false;
+    for (size_t i = 0; i + 1 < text.size; i++) {
+        int digit = dcf_hex_digit(text.text[i]);
+
+        if (digit < 0)
+            return false;
+        number->too_large |= number->magnitude >> 60 != 0;
+        number->magnitude = number->magnitude << 4 | (unsigned)digit;
+    }
+    return true;
+}
+
+/* "26.0" */
+static bool parse_whole_fraction(struct dcf_slice text, struct dcf_number *number)
+{
+    size_t size = text.size;
+
+    while (size > 0 && text.text[size - 1] == '0')
+        size--;
+    return size > 1 && text.text[size - 1] == '.' &&
+           parse_integer(dcf_slice_cut(text, size - 1), number) && !number->hex &&
+           !(number->quirks & DCF_QUIRK_SUFFIX);
+}
+
 bool dcf_number_parse(struct dcf_slice text, struct dcf_number *ret_number)
 {
-    struct dcf_number number = { .magnitude = 0 };
+    struct dcf_number number;
+    unsigned quirks = 0;
+    bool has_node_id;
 
     text = dcf_slice_trim(text);
     if (parse_integer(text, &number)) { /* as nearly all are */
         *ret_number = number;
         return true;
     }
-    number = (struct dcf_number){ .magnitude = 0 };
-    text = dcf_number_uncomment(text, &number.quirks);
-    number.has_node_id = take_node_id(&text);
-    if (!parse_integer(text, &number))
-        return false;
+    text = dcf_number_uncomment(text, &quirks);
+    has_node_id = take_node_id(&text, &quirks);
+    if (!parse_integer(text, &number)) {
+        if (!parse_assembler(text, &number) && !parse_whole_fraction(text, &number))
+            return false;
+        quirks |= DCF_QUIRK_FORM;
+    }
+    number.has_node_id = has_node_id;
+    number.quirks |= quirks;
     *ret_number = number;
     return true;
+}
+
+bool dcf_number_parse_flag(struct dcf_slice text, struct dcf_number *ret_number)
+{
+    static const char *const words[][3] = { { "false", "no", "off" }, { "true", "yes", "on" } };
+
+    if (dcf_number_parse(text, ret_number))
+        return true;
+    for (unsigned i = 0; i < 6; i++) {
+        if (!dcf_slice_is(text, words[i / 3][i % 3]))
+            continue;
+        *ret_number = (struct dcf_number){ .magnitude = i / 3, .quirks = DCF_QUIRK_FORM };
+        return true;
+    }
+    return false;
+}
+
+struct dcf_shown dcf_number_show(const struct dcf_number *self)
+{
+    struct dcf_shown shown;
+
+    snprintf(shown.text, sizeof shown.text, self->hex ? "%s%s0x%llX" : "%s%s%llu",
+             self->has_node_id ? "$NODEID+" : "", self->negative ? "-" : "",
+             (unsigned long long)self->magnitude);
+    return shown;
+}
+
+/* The 16, 32 or 64 bits of a negative number that a shorter type can have: 0xFFFFFFFE. */
+static bool is_widened(const struct dcf_number *self, uint8_t type)
+{
+    unsigned sign = 8 * od_type_size(type) - 1;
+
+    for (unsigned bits = 16; bits <= 64; bits *= 2) {
+        if (bits > sign + 1 && self->magnitude >> sign == UINT64_MAX >> (64 - bits + sign))
+            return true;
+    }
+    return false;
+}
+
+void dcf_number_narrow(struct dcf_number *self, uint8_t type)
+{
+    if (!od_type_signed(type) || !self->hex || self->negative || self->too_large ||
+        !is_widened(self, type))
+        return;
+    self->magnitude &= ((uint64_t)1 << 8 * od_type_size(type)) - 1;
+    self->quirks |= DCF_QUIRK_WIDE;
 }
 
 enum dcf_fit dcf_number_store(const struct dcf_number *self, uint8_t type, uint8_t *bytes)
@@ -210,7 +318,7 @@ static enum dcf_fit convert_fraction(const char *text, uint8_t type, uint8_t *by
 enum dcf_fit dcf_real_parse(struct dcf_slice text, uint8_t type, uint8_t *bytes,
                             unsigned *ret_quirks)
 {
-    struct dcf_number pattern = { .magnitude = 0 };
+    struct dcf_number pattern;
     char copy[REAL_TEXT_SIZE];
 
     text = dcf_number_uncomment(dcf_slice_trim(text), ret_quirks);

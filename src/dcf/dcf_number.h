@@ -18,6 +18,8 @@ enum dcf_fit { DCF_FITS, DCF_NO_VALUE, DCF_OUT_OF_RANGE, DCF_NO_MEMORY };
 #define DCF_QUIRK_TEXT         0x08u /* plain text where hexadecimal digits are expected */
 #define DCF_QUIRK_QUOTES       0x10u /* they count as characters */
 #define DCF_QUIRK_DOMAIN       0x20u /* a DOMAIN has no value in the file */
+#define DCF_QUIRK_FORM         0x40u /* clear, but not as the standard writes it: 1Ah, 5.0 */
+#define DCF_QUIRK_WIDE         0x80u /* hexadecimal digits of a wider type */
 
 struct dcf_number {
     uint64_t magnitude;
@@ -30,6 +32,15 @@ struct dcf_number {
 
 /* False and *ret_number untouched: no number. */
 bool dcf_number_parse(struct dcf_slice text, struct dcf_number *ret_number);
+
+/* The same of what is on or off: "true", "No". */
+bool dcf_number_parse_flag(struct dcf_slice text, struct dcf_number *ret_number);
+
+/* As the standard would write it: "-26", "$NODEID+512". */
+struct dcf_shown dcf_number_show(const struct dcf_number *self);
+
+/* Takes 0xFFFFFFFE for the INTEGER8 0xFE: of a negative number, as more bits than it has. */
+void dcf_number_narrow(struct dcf_number *self, uint8_t type);
 
 /*
  * The number as a BOOLEAN, INTEGERn or UNSIGNEDn, little endian, in 'bytes' of at least 8. A

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #define NUMBER_MAX 65535u
+#define NOT_TOLD   UINT32_MAX
 
 struct numbers {
     size_t count;
@@ -65,13 +66,32 @@ static unsigned find_gap(struct dcf_builder *self, const struct dcf_section *sec
     return gap;
 }
 
+static const struct dcf_key *find_count(struct dcf_builder *self, struct dcf_section *section,
+                                        const struct dcf_numbered *form)
+{
+    const struct dcf_key *key = dcf_section_find(section, form->count_key);
+
+    if (key || !form->other_count_key)
+        return key;
+    key = dcf_section_find(section, form->other_count_key);
+    if (key)
+        dcf_tell(self->report, form->rule, key->line, "[%s]: %s expected, there is \"%s\"",
+                 dcf_show(section->name).text, form->count_key, dcf_show(key->name).text);
+    return key;
+}
+
 void dcf_read_numbered(struct dcf_builder *self, struct dcf_section *section,
                        const struct dcf_numbered *form, void *context)
 {
-    uint32_t announced = dcf_key_number(self, section, form->count_key, NUMBER_MAX, 0);
+    const struct dcf_key *key = find_count(self, section, form);
+    uint32_t announced = dcf_number_of_key(self, section, key, NUMBER_MAX, NOT_TOLD);
     struct numbers numbers = take_all(section, form, context);
 
-    if (numbers.count != announced)
+    if (!key && numbers.count > 0)
+        dcf_tell(self->report, form->rule, section->line,
+                 "[%s] %s: %zu expected (so many are listed), it is missing",
+                 dcf_show(section->name).text, form->count_key, numbers.count);
+    else if (numbers.count != announced && announced != NOT_TOLD)
         dcf_tell(self->report, form->rule, section->line,
                  "[%s] %s: %zu expected (so many are listed), it is %lu",
                  dcf_show(section->name).text, form->count_key, numbers.count,
@@ -91,6 +111,7 @@ bool dcf_key_index(struct dcf_builder *self, const struct dcf_section *section,
     if (dcf_number_parse(key->value, &number) && !number.has_node_id && !number.negative &&
         !number.too_large && number.magnitude <= UINT16_MAX) {
         *ret_index = (uint16_t)number.magnitude;
+        dcf_tell_quirks(self, section, key, number.quirks);
         return true;
     }
     dcf_tell(self->report, DCF_RULE_LIST_ENTRY, key->line,

@@ -5,13 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define OBJECT_DOMAIN    2u
-#define OBJECT_DEFTYPE   5u
-#define OBJECT_DEFSTRUCT 6u
-#define OBJECT_VAR       7u
-#define OBJECT_ARRAY     8u
-#define OBJECT_RECORD    9u
-
 #define COMPACT_MAX   254u
 #define STRUCTURE_SUB 0xFFu /* the object's own description: not counted by SubNumber */
 
@@ -81,7 +74,7 @@ static bool is_single(uint8_t object_type)
 static uint8_t read_object_type(struct dcf_builder *self, const struct group *group)
 {
     struct dcf_section *section = group->object;
-    uint8_t type = (uint8_t)dcf_key_number(self, section, "ObjectType", UINT8_MAX, OBJECT_VAR);
+    uint8_t type = dcf_read_object_type(self, section);
     uint8_t meant = group->sub_count > 0 ? OBJECT_RECORD : OBJECT_VAR;
 
     if (has_subs(type) || (is_single(type) && group->sub_count == 0))
@@ -93,14 +86,34 @@ static uint8_t read_object_type(struct dcf_builder *self, const struct group *gr
     return meant;
 }
 
+#define NOT_TOLD UINT32_MAX
+
+/* SubNumber against the sections that there are. */
+static void check_count(struct dcf_builder *self, struct dcf_section *object, size_t count)
+{
+    const struct dcf_key *key = dcf_section_find(object, "SubNumber");
+    uint32_t announced = dcf_number_of_key(self, object, key, UINT8_MAX, NOT_TOLD);
+
+    if (!key && count > 0)
+        dcf_tell(self->report, DCF_RULE_SUB_COUNT, object->line,
+                 "[%s] SubNumber: %zu expected (so many sub-index sections are there), it is "
+                 "missing",
+                 dcf_show(object->name).text, count);
+    else if (announced != count && announced != NOT_TOLD)
+        dcf_tell(self->report, DCF_RULE_SUB_COUNT, object->line,
+                 "[%s] SubNumber: %zu expected (so many sub-index sections are there), it is "
+                 "%lu",
+                 dcf_show(object->name).text, count, (unsigned long)announced);
+}
+
 static void build_single(struct dcf_builder *self, struct group *group)
 {
     struct dcf_entry *entry = dcf_build_entry(self, group->object->index, 0);
 
     if (!entry)
         return;
-    dcf_fill_entry(self, group->object, entry);
     entry->object_type = group->object_type;
+    dcf_fill_entry(self, group->object, entry);
 }
 
 static void build_sub(struct dcf_builder *self, const struct group *group,
@@ -110,6 +123,7 @@ static void build_sub(struct dcf_builder *self, const struct group *group,
 
     if (!entry)
         return;
+    entry->object_type = dcf_read_object_type(self, section);
     dcf_fill_entry(self, section, entry);
     if (!is_single(entry->object_type))
         dcf_tell(self->report, DCF_RULE_SUB_OBJECT_TYPE, section->line,
@@ -137,25 +151,38 @@ static struct dcf_shown object_name(const struct dcf_section *section)
     return name;
 }
 
+/* Behind sub9 comes subA; who goes on with sub10 counts in decimal. */
+static void check_digits(struct dcf_builder *self, const struct group *group)
+{
+    for (size_t i = 1; i < group->sub_count; i++) {
+        const struct dcf_section *sub = &group->subs[i];
+
+        if (sub->sub == 0x10 && sub[-1].sub == 9)
+            dcf_tell(
+                self->report, DCF_RULE_SECTION_NAME, sub->line,
+                "[%s]: [%ssubA] expected behind [%s], sub-indices are hexadecimal: taken as 16",
+                dcf_show(sub->name).text, object_name(sub).text, dcf_show(sub[-1].name).text);
+    }
+}
+
 static void check_subs(struct dcf_builder *self, const struct group *group)
 {
     struct dcf_section *object = group->object;
-    uint32_t announced = dcf_key_number(self, object, "SubNumber", UINT8_MAX, 0);
     size_t count = group->sub_count;
 
     if (count > 0 && group->subs[count - 1].sub == STRUCTURE_SUB)
         count--;
-    if (announced != count)
-        dcf_tell(self->report, DCF_RULE_SUB_COUNT, object->line,
-                 "[%s] SubNumber: %zu expected (so many sub-index sections are there), it is "
-                 "%lu",
-                 dcf_show(object->name).text, count, (unsigned long)announced);
-    else if (count == 0)
+    if (count == 0) {
+        dcf_section_find(object, "SubNumber");
         dcf_tell(self->report, DCF_RULE_SUBS_MISSING, object->line,
                  "[%s]: sections for its sub-indices expected, there are none: nothing of it is "
                  "used",
                  dcf_show(object->name).text);
-    if (count > 0 && group->subs[0].sub != 0)
+        return;
+    }
+    check_count(self, object, count);
+    check_digits(self, group);
+    if (group->subs[0].sub != 0)
         dcf_tell(self->report, DCF_RULE_SUB_0_MISSING, object->line,
                  "[%s]: a section [%ssub0] expected, it is missing", dcf_show(object->name).text,
                  object_name(object).text);
@@ -163,13 +190,12 @@ static void check_subs(struct dcf_builder *self, const struct group *group)
 
 static void build_structure(struct dcf_builder *self, struct group *group)
 {
-    static const char *const not_needed[] = { "ParameterName", "DataType",   "AccessType",
-                                              "DefaultValue",  "PDOMapping", "LowLimit",
-                                              "HighLimit",     "ObjFlags",   "Denotation",
-                                              "ParamRefd" };
+    static const char *const not_needed[] = { "DataType",   "AccessType", "DefaultValue",
+                                              "PDOMapping", "LowLimit",   "HighLimit",
+                                              "ObjFlags",   "Denotation", "ParamRefd" };
 
-    for (size_t i = 0; i < sizeof not_needed / sizeof not_needed[0]; i++)
-        dcf_section_find(group->object, not_needed[i]);
+    dcf_use_keys(group->object, not_needed, sizeof not_needed / sizeof not_needed[0]);
+    dcf_expect_name(self, group->object);
     check_subs(self, group);
     for (size_t i = 0; i < group->sub_count; i++)
         build_sub(self, group, &group->subs[i]);

@@ -158,10 +158,17 @@ static struct dcf_key *bisect(const struct dcf_section *section, struct dcf_slic
     return NULL;
 }
 
+/* Of a section that is there twice, which was told. */
+static bool is_repetition(const struct dcf_section *section, const struct dcf_key *first,
+                          const struct dcf_key *again)
+{
+    return first->line < section->line && dcf_slice_compare(first->value, again->value) == 0;
+}
+
 static void tell_twice(const struct dcf_section *section, struct co_report *report,
                        const struct dcf_key *first, const struct dcf_key *again)
 {
-    if (section->kind == DCF_SECTION_UNKNOWN)
+    if (section->kind == DCF_SECTION_UNKNOWN || is_repetition(section, first, again))
         return;
     dcf_tell(report, DCF_RULE_DOUBLE_KEY, again->line,
              "[%s] %s: expected once, it is also in line %u: \"%s\" counts, not \"%s\"",

@@ -102,11 +102,14 @@ static const struct {
       "taken, of the same ones the later\n"
       "4: warning: [DeviceComissioning] A: expected once, it is also in line 2: \"2\" counts, not "
       "\"1\"\n" },
-    { "odd names of objects", "[0x1018]\n[1018sub01]\n[1018 sub 2]\n",
-      "[0x1018]1 [1018sub01]2 [1018 sub 2]3 ",
-      "1: warning: [1018...] expected, there is [0x1018]\n"
+    { "odd names of objects",
+      "[0x1018]\n[1018sub01]\n[1018 sub 2]\n[0x1018 sub3]\n[1018 Value]\n[ 1018sub4 ]\n",
+      "[0x1018]1 [1018sub01]2 [1018 sub 2]3 [0x1018 sub3]4 [1018sub4]6 [1018 Value]5 ",
+      "1: warning: [1018] expected, there is [0x1018]\n"
       "2: warning: [1018sub1] expected, there is [1018sub01]\n"
-      "3: warning: [1018sub2] expected, there is [1018 sub 2]\n" },
+      "3: warning: [1018sub2] expected, there is [1018 sub 2]\n"
+      "4: warning: [1018sub3] expected, there is [0x1018 sub3]\n"
+      "5: warning: [1018Value] expected, there is [1018 Value]\n" },
     { "unknown sections last, and they may come twice", "[Foo]\nA=1\nA=2\n[1018]\n[Foo]\n",
       "[1018]4 [Foo]1 A=2@3 [Foo]5 ",
       "1: warning: a section of CiA 306 expected, there is [Foo]: ignored\n"

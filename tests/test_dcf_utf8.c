@@ -84,6 +84,25 @@ START_TEST(test_cut)
 }
 END_TEST
 
+/* All behind what can be shown would be a crash. */
+START_TEST(test_show_beginning)
+{
+    char text[257];
+
+    memset(text, 'x', sizeof text);
+    guard_init(&guard, text, sizeof text);
+    ck_assert_uint_eq(strlen(dcf_show((struct dcf_slice){ guard.bytes, (size_t)1 << 30 }).text),
+                      63);
+    guard_done(&guard);
+    for (size_t i = 1; i < sizeof text; i++)
+        text[i] = i % 2 ? '\xC2' : '\xB0';
+    guard_init(&guard, text, sizeof text);
+    ck_assert_ptr_nonnull(
+        strstr(dcf_show((struct dcf_slice){ guard.bytes, (size_t)1 << 30 }).text, "x\xC2\xB0"));
+    guard_done(&guard);
+}
+END_TEST
+
 static Suite *utf8_suite(void)
 {
     Suite *suite = suite_create("dcf_utf8");
@@ -91,6 +110,7 @@ static Suite *utf8_suite(void)
 
     tcase_add_loop_test(tests, test_copy, 0, sizeof texts / sizeof texts[0]);
     tcase_add_test(tests, test_show);
+    tcase_add_test(tests, test_show_beginning);
     tcase_add_loop_test(tests, test_cut, 0, sizeof cuts / sizeof cuts[0]);
     suite_add_tcase(suite, tests);
     return suite;

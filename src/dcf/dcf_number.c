@@ -105,9 +105,9 @@ static bool take_name(struct dcf_slice *text, const char *name)
     return true;
 }
 
-static struct dcf_slice cut_parentheses(struct dcf_slice text)
+static struct dcf_slice cut_around(struct dcf_slice text, const char *pair)
 {
-    if (text.size < 2 || text.text[0] != '(' || text.text[text.size - 1] != ')')
+    if (text.size < 2 || text.text[0] != pair[0] || text.text[text.size - 1] != pair[1])
         return text;
     return dcf_slice_trim(dcf_slice_cut(dcf_slice_skip(text, 1), text.size - 2));
 }
@@ -116,7 +116,7 @@ static bool take_node_id(struct dcf_slice *text, unsigned *quirks)
 {
     static const char *const others[] = { NODE_ID,  "$NODE_ID", "$NODE-ID",
                                           "NODEID", "NODE_ID",  "NODE-ID" };
-    struct dcf_slice formula = cut_parentheses(*text);
+    struct dcf_slice formula = cut_around(*text, "()");
 
     if (take_name(text, NODE_ID))
         return true;
@@ -161,6 +161,7 @@ static bool parse_whole_fraction(struct dcf_slice text, struct dcf_number *numbe
 
 bool dcf_number_parse(struct dcf_slice text, struct dcf_number *ret_number)
 {
+    struct dcf_slice quoted;
     struct dcf_number number;
     unsigned quirks = 0;
     bool has_node_id;
@@ -170,7 +171,10 @@ bool dcf_number_parse(struct dcf_slice text, struct dcf_number *ret_number)
         *ret_number = number;
         return true;
     }
-    text = dcf_number_uncomment(text, &quirks);
+    quoted = dcf_number_uncomment(text, &quirks);
+    text = cut_around(quoted, "\"\"");
+    if (text.size < quoted.size)
+        quirks |= DCF_QUIRK_FORM;
     has_node_id = take_node_id(&text, &quirks);
     if (!parse_integer(text, &number)) {
         if (!parse_assembler(text, &number) && !parse_whole_fraction(text, &number))

@@ -51,6 +51,7 @@ static bool is_sub(struct dcf_slice rest, struct co_report *report, struct dcf_s
     struct dcf_slice digits;
     char module[16] = "";
     unsigned sub;
+    bool is_exact;
 
     if (!dcf_slice_begins(rest, "sub"))
         return false;
@@ -59,7 +60,9 @@ static bool is_sub(struct dcf_slice rest, struct co_report *report, struct dcf_s
         return false;
     if (section->part > 0)
         snprintf(module, sizeof module, "M%uFixed", section->part);
-    if (digits.size + 3 != rest.size || (digits.size > 1 && digits.text[0] == '0'))
+    is_exact = section->part > 0 ? rest.size == 3 + digits.size
+                                 : section->name.size == INDEX_DIGITS + 3 + digits.size;
+    if (!is_exact || (digits.size > 1 && digits.text[0] == '0'))
         dcf_tell(report, DCF_RULE_SECTION_NAME, section->line,
                  "[%s%04Xsub%X] expected, there is [%s]", module, section->index, sub,
                  dcf_show(section->name).text);
@@ -83,20 +86,20 @@ static bool take_index(struct dcf_slice *name, struct dcf_section *section)
 static bool is_object(struct co_report *report, struct dcf_section *section)
 {
     struct dcf_slice name = section->name;
-    bool has_prefix = dcf_slice_begins(name, "0x");
 
-    if (has_prefix)
+    if (dcf_slice_begins(name, "0x"))
         name = dcf_slice_skip(name, 2);
     if (!take_index(&name, section))
         return false;
-    if (has_prefix)
-        dcf_tell(report, DCF_RULE_SECTION_NAME, section->line, "[%04X...] expected, there is [%s]",
-                 section->index, dcf_show(section->name).text);
     for (size_t i = 0; i < sizeof object_parts / sizeof object_parts[0]; i++) {
-        if (dcf_slice_is(name, object_parts[i].suffix)) {
-            section->kind = object_parts[i].kind;
-            return true;
-        }
+        if (!dcf_slice_is(name, object_parts[i].suffix))
+            continue;
+        section->kind = object_parts[i].kind;
+        if (section->name.size != INDEX_DIGITS + name.size)
+            dcf_tell(report, DCF_RULE_SECTION_NAME, section->line,
+                     "[%04X%s] expected, there is [%s]", section->index, object_parts[i].suffix,
+                     dcf_show(section->name).text);
+        return true;
     }
     section->kind = DCF_SECTION_SUB;
     return is_sub(name, report, section);

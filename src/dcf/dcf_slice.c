@@ -106,9 +106,21 @@ static bool is_control(uint32_t character)
     return character < 0x20 || (character >= 0x7F && character < 0xA0);
 }
 
+/* More than can be shown, but not all of a name of megabytes, nor a part of a character. */
+static struct dcf_slice cut_to_show(struct dcf_slice text)
+{
+    size_t least = sizeof(struct dcf_shown), size = DCF_UTF8_SIZE_MAX * least;
+
+    if (text.size <= size)
+        return text;
+    while (size > least && ((unsigned char)text.text[size] & 0xC0) == 0x80)
+        size--;
+    return dcf_slice_cut(text, size);
+}
+
 struct dcf_shown dcf_show(struct dcf_slice self)
 {
-    struct dcf_characters characters = dcf_characters_of(self);
+    struct dcf_characters characters = dcf_characters_of(cut_to_show(self));
     struct dcf_shown shown;
     size_t used = 0, whole = 0; /* whole: what is left when dots have to follow */
     char bytes[DCF_UTF8_SIZE_MAX];

@@ -106,6 +106,12 @@ static const struct audit_case can_ids[] = {
       .rules = "id-collision",
       .text = "is that of SYNC (1005h) of the manager as well" },
     { .xml5 = "",
+      .dcf5 = OBJECT("1201", "3") U32("1201sub1", SET("0x6E1")) U32("1201sub2", SET("0x6E2")),
+      .rules = "restricted-id, restricted-id" },
+    { .xml5 = "",
+      .dcf5 = OBJECT("1201", "3") U32("1201sub1", SET("0x6E1")) U32("1201sub2", SET("0x800006E2")),
+      .rules = "" }, /* there is no such channel */
+    { .xml5 = "",
       .dcf5 = OBJECT("1280", "4") U32("1280sub1", SET("0x606")) U32("1280sub2", SET("0x586")),
       .xml6 = "",
       .dcf6 = "",
@@ -160,6 +166,7 @@ static const struct audit_case syncs[] = {
       .xml6 = "",
       .dcf6 = MAKES_SYNC("0x40000081", "10000"),
       .rules = "sync-producers" },
+    { .network = SYNC("10000"), .xml5 = "", .dcf5 = MAKES_SYNC("0x80", "10000"), .rules = "" },
     { .xml5 = "", .dcf5 = MAKES_SYNC("0x40000080", "0"), .rules = "no-sync-period" },
     { .xml5 = "", .dcf5 = MAKES_SYNC("0x80", "0"), .rules = "" },
     { .network = SYNC("10000") ELEMENT("Sync_Cob_Id", "0x81"),
@@ -376,6 +383,11 @@ static const struct {
       1200,
       0 },
     { { .network = SYNC("10000"), .xml5 = "", .dcf5 = "" }, 5500, 5500, 0 },
+    { { .xml5 = "", .dcf5 = MAKES_SYNC("0x40000080", "10000") U8("1019", SET("10")) },
+      6500,
+      6500,
+      0 },
+    { { .xml5 = "", .dcf5 = MAKES_SYNC("0x60000080", "10000") }, 8000, 8000, 0 },
     { { .network = SYNC("10000"), .xml5 = "", .dcf5 = SENDS(SET("0x185"), SET("2")) },
       5500 + 3250,
       5500 + 3250,
@@ -391,6 +403,18 @@ static const struct {
       650,
       6500,
       0 },
+    { { .xml5 = "",
+        .dcf5 = TPDO("0", SET("0x185"), EVENT, U16("1800sub3", SET("100")), "1", BYTE_FROM)
+            INPUTS },
+      0,
+      6500,
+      0 },
+    { { .xml5 = "", /* of unknown length */
+        .dcf5 = OBJECT("1800", "6") U32("1800sub1", SET("0x185")) U8("1800sub2", EVENT)
+            EVERY("100", "1800") },
+      1350,
+      1350,
+      1 },
     { { .xml5 = "",
         .dcf5 = TPDO("0", SET("0x20000185"), EVENT, EVERY("100", "1800"), "1", BYTE_FROM) INPUTS },
       900,
@@ -482,6 +506,19 @@ START_TEST(long_values_take_more)
 }
 END_TEST
 
+static const struct audit_case quiet[] = {
+    { .network = ELEMENT("NMT_Master", "FALSE"), .xml5 = "", .dcf5 = BEAT("200") },
+    { .xml5 = ELEMENT("NMT_Slave", "FALSE"), .dcf5 = BEAT("200") },
+    { .xml5 = ELEMENT("NMT_Auto_Start_Slave", "FALSE"), .dcf5 = BEAT("200") },
+};
+
+START_TEST(who_is_not_booted_takes_no_time)
+{
+    ck_assert_uint_eq(open_plant(&quiet[_i])->boot.requests, 0);
+    audit_close(&audit);
+}
+END_TEST
+
 static const struct audit_case boot_times[] = {
     { .network = ELEMENT("Boot_Time", "1000"), .xml5 = MANDATORY, .dcf5 = BEAT("200") },
     { .network = ELEMENT("Boot_Time", "200"),
@@ -534,6 +571,7 @@ int main(void)
     tcase_add_loop_test(tests, too_much_is_told, 0, ROWS(overloads));
     tcase_add_test(tests, the_boot_is_its_requests);
     tcase_add_loop_test(tests, long_values_take_more, 0, ROWS(texts));
+    tcase_add_loop_test(tests, who_is_not_booted_takes_no_time, 0, ROWS(quiet));
     tcase_add_loop_test(tests, a_boot_has_the_time_it_needs, 0, ROWS(boot_times));
     tcase_add_test(tests, no_boot_is_faster_than_the_wire);
     return suite_run("audit-bus", tests);

@@ -61,6 +61,7 @@ static const struct audit_case identities[] = {
       .text = "n.xml:7: error: node 5: Device_Type_Identification: 0x192 expected, 1000h:00 is "
               "0x191 in 5.dcf: boot error C [device-type]\n" },
     { .xml5 = VENDOR("0x12"), .dcf5 = "", .rules = "wrong-identity", .text = "boot error D" },
+    { .xml5 = VENDOR("0x12") NO_SLAVE, .dcf5 = "", .rules = "not-configured" }, /* not compared */
     { .xml5 = PRODUCT("0x12"), .dcf5 = "", .rules = "wrong-identity", .text = "boot error M" },
     { .xml5 = REVISION("0x12"), .dcf5 = "", .rules = "wrong-identity", .text = "boot error N" },
     { .xml5 = SERIAL("7"),
@@ -129,9 +130,13 @@ static const struct audit_case heartbeats[] = {
     { .xml5 = WAIT("500"),
       .dcf5 = U16("1017", IS("0")),
       .rules = "no-heartbeat",
-      .text = "node 5 sends no heartbeat (1017h is 0), but the manager waits 500 ms for it "
+      .text = "5.dcf:70: error: node 5 sends no heartbeat (1017h is 0), but the manager waits 500 "
+              "ms for it "
               "(Consumer_Heartbeat_Time, n.xml:7): boot error K" },
-    { .xml5 = WAIT("500"), .dcf5 = U16("1017", ""), .rules = "no-heartbeat" },
+    { .xml5 = WAIT("500"),
+      .dcf5 = U16("1017", ""),
+      .rules = "no-heartbeat",
+      .text = "5.dcf:65: error" },
     { .xml5 = WAIT("500"), .dcf5 = "", .rules = "no-heartbeat", .text = "is not there" },
     { .xml5 = WAIT("500"), .dcf5 = U16("1017", IS("200")), .rules = "" },
     { .xml5 = WAIT("500"), .rules = "unknown-node" },
@@ -255,6 +260,10 @@ static const struct {
     ROW("\x17\x10\1\2\0\0\0\x64\0", "the object has no such sub-index (06090011h)"),
     ROW("\x18\x10\1\4\0\0\0\x64\0\0\0", "the entry is read-only (06010002h)"),
     ROW("\0\x20\0\2\0\0\0\x64\0", "there is no such object (06020000h)"),
+    ROW("\1\x21\0\1\0\0\0\x02", NULL),
+    ROW("\1\x21\0\1\0\0\0\xFA", NULL),
+    ROW("\1\x21\0\1\0\0\0\x01", "the value is below its low limit (06090032h)"),
+    ROW("\1\x21\0\1\0\0\0\xFB", "the value is above its high limit (06090031h)"),
     ROW("\0\x21\0\1\0\0\0\x0A", NULL),
     ROW("\0\x21\0\1\0\0\0\xFE", NULL), /* -2 */
     ROW("\0\x21\0\1\0\0\0\x0B", "the value is above its high limit (06090031h)"),
@@ -268,6 +277,7 @@ START_TEST(a_ccf_is_compared_with_the_eds)
         .xml5 = "<CCF_File>5.ccf</CCF_File>\n",
         .xml6 = "",
         .dcf6 = BEAT("0") VAR("2100", "2", "rw", IS("0") "LowLimit=-2\nHighLimit=10\n")
+            VAR("2101", "5", "rw", IS("5") "LowLimit=2\nHighLimit=250\n")
     };
     struct audit_eds eds[] = { { .node = 5, .file = "6.dcf" } };
     static struct audit_told told;

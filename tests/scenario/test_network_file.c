@@ -271,6 +271,8 @@ static const struct {
     { NODE("<Configuration_Time>1</Configuration_Time>"), "needs Configuration_Date too" },
     { NODE("<Name>a\x7F</Name>"), "another control character" },
     { NODE("<Boot_Delay>5</Boot_Delay"), "XML: " },
+    { NET("<Name>pump & valve</Name>" ONE), "XML: &amp; expected, there is a single &" },
+    { NET("<Name>pump&valve</Name>" ONE), "XML: &amp; expected, there is a single &" },
     { NET("&a;&b;&c;&d;&e;&f;&g;&h;&i;&j;&k;&l;&m;" ONE), "XML: Entity 'a' not defined" },
     { NET("<\xC3\xBC>\n\xFF</\xC3\xBC>" ONE), "XML: " },
     { NET("<Debug_Mask xml:space='x'>1</Debug_Mask>" ONE), "warning: XML: " },

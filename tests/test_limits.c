@@ -77,6 +77,7 @@ START_TEST(another_text)
     ck_assert_int_eq(parse_repeated("[Foo]\nA=1\n", "[Bar]\n", 3), CO_ERR_FORMAT);
     ck_assert_ptr_eq(told, &dcf_rules[DCF_RULE_NO_TEXT]);
     ck_assert_int_eq(parse_repeated("[Foo]\nA=1\n", "[1000]\n", 1), CO_OK);
+    ck_assert_int_eq(parse_repeated("[Foo]\nA=1\n", "[Comments]\n", 1), CO_OK);
 }
 END_TEST
 

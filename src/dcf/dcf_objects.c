@@ -56,7 +56,8 @@ void dcf_sort_entries(struct dcf_builder *self)
 {
     struct dcf *dcf = self->dcf;
 
-    qsort(dcf->entries, dcf->count, sizeof *dcf->entries, compare_entries);
+    if (dcf->count > 0)
+        qsort(dcf->entries, dcf->count, sizeof *dcf->entries, compare_entries);
 }
 
 static bool has_subs(uint8_t object_type)

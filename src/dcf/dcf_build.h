@@ -79,8 +79,8 @@ void dcf_sort_entries(struct dcf_builder *self);
 /* dcf_entry.c: one section's keys into an entry, whose index, sub-index and object type are set */
 void dcf_fill_entry(struct dcf_builder *self, struct dcf_section *section, struct dcf_entry *entry);
 
-/* Notes a section without a ParameterName. */
-void dcf_expect_name(struct dcf_builder *self, struct dcf_section *section);
+/* The ParameterName of a section, or NULL for who only wants to know that it is there. */
+void dcf_read_name(struct dcf_builder *self, struct dcf_section *section, char **name);
 /* The ObjectType of a section, OBJECT_VAR where there is none. */
 uint8_t dcf_read_object_type(struct dcf_builder *self, struct dcf_section *section);
 

@@ -171,10 +171,14 @@ static void fill_type(struct dcf_builder *self, struct dcf_section *section,
              entry->type ? "taken as UNSIGNED8" : "the entry cannot be used");
 }
 
-void dcf_expect_name(struct dcf_builder *self, struct dcf_section *section)
+void dcf_read_name(struct dcf_builder *self, struct dcf_section *section, char **name)
 {
-    if (!dcf_section_find(section, "ParameterName") && self->no_name++ == 0)
+    const struct dcf_key *key = dcf_section_find(section, "ParameterName");
+
+    if (!key && self->no_name++ == 0)
         self->no_name_line = section->line;
+    if (name)
+        dcf_text_of_key(self, key, name);
 }
 
 static void fill_flags(struct dcf_builder *self, struct dcf_section *section,
@@ -237,8 +241,7 @@ static void fill_files(struct dcf_builder *self, struct dcf_section *section,
 void dcf_fill_entry(struct dcf_builder *self, struct dcf_section *section, struct dcf_entry *entry)
 {
     entry->line = section->line;
-    dcf_expect_name(self, section);
-    dcf_key_text(self, section, "ParameterName", &entry->name);
+    dcf_read_name(self, section, &entry->name);
     fill_type(self, section, entry);
     fill_access(self, section, entry);
     fill_flags(self, section, entry);

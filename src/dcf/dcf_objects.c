@@ -196,7 +196,7 @@ static void build_structure(struct dcf_builder *self, struct group *group)
                                               "ObjFlags",   "Denotation", "ParamRefd" };
 
     dcf_use_keys(group->object, not_needed, sizeof not_needed / sizeof not_needed[0]);
-    dcf_expect_name(self, group->object);
+    dcf_read_name(self, group->object, NULL);
     check_subs(self, group);
     for (size_t i = 0; i < group->sub_count; i++)
         build_sub(self, group, &group->subs[i]);

@@ -62,6 +62,8 @@ static const struct {
     { OD_UNSIGNED8, "-", "no value", 0 },
     { OD_UNSIGNED8, "5h", "05", DCF_QUIRK_FORM },
     { OD_UNSIGNED32, "0FFF1a2BH ; x", "2B1AFF0F", DCF_QUIRK_FORM | DCF_QUIRK_COMMENT },
+    { OD_UNSIGNED8, "FFh", "FF", DCF_QUIRK_FORM },
+    { OD_UNSIGNED8, "c0h", "C0", DCF_QUIRK_FORM },
     { OD_UNSIGNED8, "100h", "out of range", DCF_QUIRK_FORM },
     { OD_UNSIGNED64, "10000000000000000h", "out of range", DCF_QUIRK_FORM },
     { OD_UNSIGNED8, "h", "no value", 0 },

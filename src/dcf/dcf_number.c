@@ -130,21 +130,24 @@ static bool take_node_id(struct dcf_slice *text, unsigned *quirks)
     return false;
 }
 
-/* "1Ah"; a word begins with a letter. */
+/* "1Ah", "C0h", "FFh", but not "each": no word begins with F or has digits. */
 static bool parse_assembler(struct dcf_slice text, struct dcf_number *number)
 {
+    bool is_word = !dcf_slice_begins(text, "f");
+
     *number = (struct dcf_number){ .hex = true };
-    if (text.size < 2 || text.text[0] > '9' || !dcf_slice_ends(text, "h"))
+    if (text.size < 2 || !dcf_slice_ends(text, "h"))
         return false;
     for (size_t i = 0; i + 1 < text.size; i++) {
         int digit = dcf_hex_digit(text.text[i]);
 
         if (digit < 0)
             return false;
+        is_word &= digit > 9;
         number->too_large |= number->magnitude >> 60 != 0;
         number->magnitude = number->magnitude << 4 | (unsigned)digit;
     }
-    return true;
+    return !is_word;
 }
 
 /* "26.0" */

@@ -99,6 +99,52 @@ START_TEST(test_commissioning)
 }
 END_TEST
 
+#define TYPE_OBJECT(index, rest) VAR(index, "7", "ro") "ObjectType=5\n" rest
+#define OF_TYPE(name, type)      VAR(name, type, "rw") "DefaultValue=1\n"
+
+/* clang-format off */
+static const char own_types[] = OBJECT("2000",
+    TYPE_OBJECT("0040", "DefaultValue=24\n")
+    TYPE_OBJECT("0041", "DefaultValue=0x1\n")
+    TYPE_OBJECT("0042", "DefaultValue=25\n")
+    TYPE_OBJECT("0043", "")
+    "[2000]\nParameterName=x\nObjectType=9\nSubNumber=6\n"
+    VAR("2000sub0", "5", "ro") "DefaultValue=6\n"
+    OF_TYPE("2000sub1", "0x40")
+    OF_TYPE("2000sub2", "0x41")
+    OF_TYPE("2000sub3", "0x42")
+    OF_TYPE("2000sub4", "0x43")
+    OF_TYPE("2000sub5", "0x44"));
+/* clang-format on */
+
+/* Data types of the device, whose objects tell their size in bits. */
+START_TEST(test_own_types)
+{
+    static const struct {
+        uint8_t sub;
+        uint8_t type;
+        const char *initial;
+    } subs[] = {
+        { 0, OD_UNSIGNED8, "06" },
+        { 1, OD_UNSIGNED24, "010000" },
+        { 2, OD_BOOLEAN, "01" },
+        { 3, 0, "-" },
+        { 4, 0, "-" },
+        { 5, 0, "-" },
+    };
+
+    ck_assert_int_eq(parse(own_types), CO_OK);
+    for (size_t i = 0; i < sizeof subs / sizeof subs[0]; i++) {
+        const struct dcf_entry *entry = dcf_find(&dcf, 0x2000, subs[i].sub);
+
+        ck_assert_uint_eq(entry->type, subs[i].type);
+        ck_assert_str_eq(value_of(&entry->initial), subs[i].initial);
+    }
+    ck_assert_uint_eq(count_lines(messages.text), 3);
+    dcf_done(&dcf);
+}
+END_TEST
+
 START_TEST(test_device_info)
 {
     static const char file[] =
@@ -282,6 +328,7 @@ static Suite *dcf_suite(void)
 
     tcase_add_test(tests, test_clean_file);
     tcase_add_test(tests, test_commissioning);
+    tcase_add_test(tests, test_own_types);
     tcase_add_test(tests, test_device_info);
     tcase_add_test(tests, test_all_of_an_entry);
     tcase_add_test(tests, test_domain);

@@ -119,7 +119,7 @@ static size_t end_lines(const char *bytes, size_t size, char end, char *text)
     return (size_t)(at - text);
 }
 
-/* A file tells the same with whatever ends of lines. */
+/* A file tells the same with whatever ends of lines, and one thing more with CR alone. */
 static void check_line_ends(const char *path, const char *bytes, size_t size)
 {
     static const char ends[] = { '\n', '\r' };
@@ -137,7 +137,8 @@ static void check_line_ends(const char *path, const char *bytes, size_t size)
         dcf_done(&dcf);
         messages_init(&messages);
         dcf_parse(text, end_lines(bytes, size, ends[i], text), &messages.report, &dcf);
-        ck_assert_msg(dcf.count == entries && messages.report.warnings == warnings,
+        ck_assert_msg(dcf.count == entries &&
+                          messages.report.warnings == warnings + (ends[i] == '\r'),
                       "%s: with lines that end otherwise", path);
     }
     dcf_done(&dcf);

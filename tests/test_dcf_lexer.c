@@ -53,10 +53,21 @@ static const struct {
 } files[] = {
     { "a section", "[FileInfo]\nFileName=a.eds\n", "[FileInfo]1 FileName=a.eds@2 ", "" },
     { "CR LF", "[FileInfo]\r\n\r\nFileName=a.eds\r\n", "[FileInfo]1 FileName=a.eds@3 ", "" },
-    { "CR", "[FileInfo]\rFileName=a.eds\r\rA=1", "[FileInfo]1 FileName=a.eds@2 A=1@4 ", "" },
+    { "CR", "[FileInfo]\rFileName=a.eds\r\rA=1", "[FileInfo]1 FileName=a.eds@2 A=1@4 ",
+      "1: warning: lines are expected to end with CR LF or LF, this one does with CR (and in 2 "
+      "more "
+      "lines)\n" },
+    { "all line ends", "[FileInfo]\r\nA=1\nB=2\rC=3\r", "[FileInfo]1 A=1@2 B=2@3 C=3@4 ",
+      "3: warning: lines are expected to end with CR LF or LF, this one does with CR (and in 1 "
+      "more "
+      "lines)\n" },
+    { "comments with //", "[FileInfo]\n // A=1\nB=1\n//", "[FileInfo]1 B=1@3 ",
+      "2: warning: comments are expected to begin with \";\", this one does with \"//\" (and in 1 "
+      "more lines)\n" },
     { "no line end", "[FileInfo]\nA=1", "[FileInfo]1 A=1@2 ", "" },
     { "DOS end of file", "[FileInfo]\nA=1\n\x1A", "[FileInfo]1 A=1@2 ", "" },
-    { "blanks", "  [FileInfo] \t\n\t A \t= \t1 2 \t \n", "[FileInfo]1 A=1 2@2 ", "" },
+    { "blanks", "  [FileInfo] \t\n\t A \t= \t1 2 \t \n", "[FileInfo]1 A=1 2@2 ",
+      "1: warning: a section is expected in the first column, there are blanks before it\n" },
     { "comments", ";x\n[FileInfo];\n ; A=1\nA=1 ; no comment here\n",
       "[FileInfo]2 A=1 ; no comment here@4 ",
       "2: warning: nothing expected behind \"]\", there is \";\": ignored\n" },

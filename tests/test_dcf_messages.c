@@ -70,8 +70,11 @@ static const struct {
       "ignored\n"
       "19: warning: [DeviceInfo] NrOfRXPDO: a number of 0..512 expected, there is \"513\": "
       "ignored\n"
-      "22: warning: [DeviceInfo] CompactPDO: a number of 0..63 expected, there is \"0x40\": "
-      "ignored\n"
+      "22: warning: [DeviceInfo] CompactPDO: up to 3Fh expected (one bit for each sub-index), "
+      "there "
+      "is 40h: the others are ignored\n"
+      "22: warning: [DeviceInfo] CompactPDO: NrOfRXPDO or NrOfTXPDO expected with it, there are no "
+      "PDOs\n"
       "17: warning: [DeviceInfo] SimpleBootUpSlave: a number like 26 or 0x1A expected, there is "
       "\"yes\": read as 1\n"
       "23: warning: [DeviceInfo] DynamicChannelsSupported: a number of 0..1 expected, there is "
@@ -193,6 +196,47 @@ static const struct {
     { "an unknown access type", OBJECT("2000", VAR("2000", "5", "any")),
       "66: warning: [2000] AccessType: ro, wo, rw, rwr, rww or const expected, there is \"any\": "
       "taken as ro\n" },
+    { "keys of a variable with sub-indices",
+      OBJECT("2000",
+             "[2000]\nParameterName=x\nObjectType=9\nHighLimit=7\nDataType=5\nAccessType=ro\n"
+             "PDOMapping=0\nDefaultValue=\nObjFlags=0\nDenotation=d\nSubNumber=1\n" VAR("2000sub0",
+                                                                                        "5", "ro")),
+      "66: warning: [2000]: DataType, AccessType, HighLimit not expected with this ObjectType: "
+      "ignored\n" },
+    { "PDOMapping of a record",
+      OBJECT("2000", "[2000]\nParameterName=x\nObjectType=9\nPDOMapping=1\nSubNumber=1\n" VAR(
+                         "2000sub0", "5", "ro")),
+      "66: warning: [2000]: PDOMapping not expected with this ObjectType: ignored\n" },
+    { "SubNumber of a variable", U8_OBJECT("SubNumber=1\nCompactSubObj=0\n"),
+      "67: warning: [2000]: SubNumber not expected with this ObjectType: ignored\n" },
+    { "no SubNumber of a variable", U8_OBJECT("SubNumber=0\n"), "" },
+    { "limits of a DOMAIN",
+      OBJECT("2000", VAR("2000", "0xF", "rw") "ObjectType=2\nLowLimit=1\nPDOMapping=0\n"),
+      "68: warning: [2000]: LowLimit not expected with this ObjectType: ignored\n" },
+    { "a compact variable", OBJECT("2000", VAR("2000", "5", "rw") "CompactSubObj=2\nSubNumber=3\n"),
+      "63: warning: [2000] ObjectType: 8 or 9 expected with CompactSubObj, there is 7: taken as 8\n"
+      "68: warning: [2000]: SubNumber not expected with this ObjectType: ignored\n" },
+    { "a file for a DOMAIN that cannot be transferred so",
+      OBJECT("2000", VAR("2000", "0xF", "wo") "ObjectType=2\nUploadFile=a/b.bin\n" VAR(
+                         "2001", "0xF", "const") "ObjectType=2\nDownloadFile=a.bin\n"),
+      "68: warning: [2000] UploadFile: expected for what can be read, AccessType is wo\n"
+      "74: warning: [2001] DownloadFile: expected for what can be written, AccessType is const\n"
+      "69: warning: [2001]: its index expected in [ManufacturerObjects], it is in no list\n" },
+    { "a file for a DOMAIN elsewhere",
+      OBJECT("2000",
+             VAR("2000", "0xF", "rw") "ObjectType=2\nUploadFile=../a.bin\nDownloadFile=b.bin\n"),
+      "68: warning: [2000] UploadFile: a name below the folder of this file expected, there is "
+      "\"../a.bin\"\n" },
+    { "a file from a number", U8_OBJECT("UploadFile=a\n"),
+      "67: warning: [2000] UploadFile: expected for a DOMAIN only, this is UNSIGNED8: ignored\n" },
+    { "compact PDOs with too many bits", LINES("[DeviceInfo]\nCompactPDO=0x43\n"),
+      "63: warning: [DeviceInfo]: expected once, it is also in line 9: keys of both are taken, of "
+      "the same ones the later\n"
+      "64: warning: [DeviceInfo] CompactPDO: up to 3Fh expected (one bit for each sub-index), "
+      "there "
+      "is 43h: the others are ignored\n"
+      "64: warning: [DeviceInfo] CompactPDO: NrOfRXPDO or NrOfTXPDO expected with it, there are no "
+      "PDOs\n" },
     { "an access type in other words", OBJECT("2000", VAR("2000", "5", "R/W")),
       "66: warning: [2000] AccessType: ro, wo, rw, rwr, rww or const expected, there is \"R/W\": "
       "taken as rw\n" },
@@ -285,6 +329,7 @@ static const struct {
       "is used\n" },
     { "... that does not say so",
       OBJECT("2000", "[2000]\nParameterName=x\nObjectType=8\nDataType=5\nAccessType=rw\n"),
+      "66: warning: [2000]: DataType, AccessType not expected with this ObjectType: ignored\n"
       "63: warning: [2000]: sections for its sub-indices expected, there are none: nothing of it "
       "is used\n" },
     { "no SubNumber",

@@ -165,6 +165,8 @@ bool dcf_has_object(const struct dcf *self, uint16_t index);
  * that configurations leave alone (1010h, 1018h, ...).
  */
 bool dcf_entry_downloads(const struct dcf_entry *entry);
+/* A file beside the DCF or below: relative, and without ".." in it. */
+bool dcf_stays_below(const char *name);
 /* A number as people write it; "(none)". */
 struct dcf_shown dcf_number_text(const struct dcf_value *value, uint8_t type, uint8_t node_id);
 /* An integer value, sign-extended, with the node-ID added. */

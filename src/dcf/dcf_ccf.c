@@ -54,24 +54,6 @@ void dcf_maker_put_number(struct dcf_maker *self, const struct dcf_entry *entry,
     append(self, entry, bytes, size);
 }
 
-/* Relative, and without ".." in it: a file beside the DCF or below. */
-static bool stays_below(const char *name)
-{
-    const char *part = name;
-
-    if (name[0] == '/' || name[0] == '\\' || (name[0] != '\0' && name[1] == ':'))
-        return false;
-    while (*part != '\0') {
-        size_t size = strcspn(part, "/\\");
-
-        if (size == 2 && memcmp(part, "..", 2) == 0)
-            return false;
-        part += size;
-        part += *part != '\0';
-    }
-    return name[0] != '\0';
-}
-
 static void put_file(struct dcf_maker *self, const struct dcf_entry *entry)
 {
     const struct dcf_ccf_options *options = self->options;
@@ -80,7 +62,7 @@ static void put_file(struct dcf_maker *self, const struct dcf_entry *entry)
     uint8_t *bytes = NULL;
     size_t size = 0;
 
-    if (!stays_below(entry->download_file)) {
+    if (!dcf_stays_below(entry->download_file)) {
         dcf_tell(self->report, DCF_RULE_DOWNLOAD_FOLDER, entry->line,
                  "%04Xh:%02X DownloadFile: a name below the folder of this file expected, "
                  "there is \"%s\"",

@@ -29,6 +29,23 @@ bool dcf_entry_downloads(const struct dcf_entry *entry)
            !(entry->flags & FLAG_NO_DOWNLOAD) && !is_left_alone(entry->index);
 }
 
+bool dcf_stays_below(const char *name)
+{
+    const char *part = name;
+
+    if (name[0] == '/' || name[0] == '\\' || (name[0] != '\0' && name[1] == ':'))
+        return false;
+    while (*part != '\0') {
+        size_t size = strcspn(part, "/\\");
+
+        if (size == 2 && memcmp(part, "..", 2) == 0)
+            return false;
+        part += size;
+        part += *part != '\0';
+    }
+    return name[0] != '\0';
+}
+
 uint64_t dcf_value_number(const struct dcf_value *value, uint8_t type, uint8_t node_id)
 {
     uint64_t number = get_le(value->bytes, value->size);

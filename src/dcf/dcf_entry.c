@@ -1,6 +1,14 @@
 /* One object or sub-index section as an entry. */
 #include "dcf/dcf_build.h"
 
+#include "base/bytes.h"
+
+#include <string.h>
+
+/* Data types of the manufacturer and of device profiles. */
+#define FIRST_OWN_TYPE 0x40u
+#define LAST_OWN_TYPE  0x25Fu
+
 #define FLAGS_KNOWN 3u
 
 static const struct {
@@ -121,6 +129,34 @@ static void fill_access(struct dcf_builder *self, struct dcf_section *section,
                  dcf_show(section->name).text);
 }
 
+/* The unsigned type of so many bits, or 0. */
+static uint8_t type_of_bits(uint64_t bits)
+{
+    for (uint8_t type = OD_BOOLEAN; type <= OD_UNSIGNED64; type++) {
+        bool is_integer = od_type_known(type) && strncmp(od_type_name(type), "UNSIGNED", 8) == 0;
+
+        if (is_integer && 8 * od_type_size(type) == bits)
+            return type;
+    }
+    return bits == 1 ? OD_BOOLEAN : 0;
+}
+
+/*
+ * A data type of the device or its profile has an object (DEFTYPE), whose value is its size in
+ * bits; sections are sorted, so it has been read before. 0: there is none.
+ */
+static uint8_t find_defined_type(const struct dcf_builder *self, uint64_t type)
+{
+    const struct dcf_entry *entry = NULL;
+
+    if (type >= FIRST_OWN_TYPE && type <= LAST_OWN_TYPE)
+        entry = dcf_find(self->dcf, (uint16_t)type, 0);
+    if (!entry || entry->object_type != OBJECT_DEFTYPE || !entry->initial.given ||
+        entry->initial.size > 8)
+        return 0;
+    return type_of_bits(get_le(entry->initial.bytes, entry->initial.size));
+}
+
 static uint8_t find_type(struct dcf_slice name)
 {
     for (unsigned type = 1; type <= UINT8_MAX; type++) {
@@ -143,11 +179,14 @@ static uint8_t parse_type(struct dcf_builder *self, const struct dcf_section *se
                  dcf_show(section->name).text, dcf_show(key->value).text, type);
         return type;
     }
-    if (!dcf_number_parse(key->value, &number) || number.has_node_id || number.negative ||
-        number.magnitude > UINT8_MAX || !od_type_known((uint8_t)number.magnitude))
+    if (!dcf_number_parse(key->value, &number) || number.has_node_id || number.negative)
         return 0;
-    dcf_tell_quirks(self, section, key, number.quirks);
-    return (uint8_t)number.magnitude;
+    type = find_defined_type(self, number.magnitude);
+    if (number.magnitude <= UINT8_MAX && od_type_known((uint8_t)number.magnitude))
+        type = (uint8_t)number.magnitude;
+    if (type != 0)
+        dcf_tell_quirks(self, section, key, number.quirks);
+    return type;
 }
 
 static void fill_type(struct dcf_builder *self, struct dcf_section *section,
@@ -224,18 +263,33 @@ static void fill_limits(struct dcf_builder *self, struct dcf_section *section,
     }
 }
 
-static void fill_files(struct dcf_builder *self, struct dcf_section *section,
-                       struct dcf_entry *entry)
+/* A file for the value: of a DOMAIN that can be transferred in that direction. */
+static void fill_file(struct dcf_builder *self, struct dcf_section *section, const char *name,
+                      const struct dcf_entry *entry, char **file)
 {
-    dcf_key_text(self, section, "DownloadFile", &entry->download_file);
-    dcf_key_text(self, section, "UploadFile", &entry->upload_file);
-    if (entry->download_file && entry->type != OD_DOMAIN) {
-        dcf_tell(self->report, DCF_RULE_DOWNLOAD_TYPE,
-                 dcf_section_find(section, "DownloadFile")->line,
-                 "[%s] DownloadFile: expected for a DOMAIN only, this is %s: ignored",
-                 dcf_show(section->name).text, od_type_name(entry->type));
-        entry->download_file = NULL;
+    const struct dcf_key *key = dcf_section_find(section, name);
+    bool is_download = file == &entry->download_file;
+    bool is_refused = is_download ? entry->access == OD_RO || entry->access == OD_CONST
+                                  : entry->access == OD_WO;
+
+    if (!key)
+        return;
+    if (entry->type != OD_DOMAIN) {
+        dcf_tell(self->report, DCF_RULE_DOWNLOAD_TYPE, key->line,
+                 "[%s] %s: expected for a DOMAIN only, this is %s: ignored",
+                 dcf_show(section->name).text, name, od_type_name(entry->type));
+        return;
     }
+    if (is_refused)
+        dcf_tell(self->report, DCF_RULE_FILE_ACCESS, key->line,
+                 "[%s] %s: expected for what can be %s, AccessType is %s",
+                 dcf_show(section->name).text, name, is_download ? "written" : "read",
+                 dcf_access_text(entry->access));
+    dcf_text_of_key(self, key, file);
+    if (!is_download && *file && !dcf_stays_below(*file))
+        dcf_tell(self->report, DCF_RULE_UPLOAD_FOLDER, key->line,
+                 "[%s] UploadFile: a name below the folder of this file expected, there is \"%s\"",
+                 dcf_show(section->name).text, dcf_show(key->value).text);
 }
 
 void dcf_fill_entry(struct dcf_builder *self, struct dcf_section *section, struct dcf_entry *entry)
@@ -250,6 +304,7 @@ void dcf_fill_entry(struct dcf_builder *self, struct dcf_section *section, struc
     fill_value(self, section, dcf_section_find(section, "DefaultValue"), entry, &entry->initial);
     fill_value(self, section, dcf_section_find(section, "ParameterValue"), entry,
                &entry->parameter);
-    fill_files(self, section, entry);
+    fill_file(self, section, "DownloadFile", entry, &entry->download_file);
+    fill_file(self, section, "UploadFile", entry, &entry->upload_file);
     dcf_section_find(section, "ParamRefd");
 }

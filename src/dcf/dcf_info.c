@@ -152,7 +152,13 @@ static void build_pdos(struct dcf_builder *self, struct dcf_section *section)
     dcf->granularity = (uint8_t)dcf_key_number(self, section, "Granularity", GRANULARITY_MAX, 0);
     dcf->rx_pdos = (uint16_t)dcf_key_number(self, section, "NrOfRXPDO", PDOS_MAX, 0);
     dcf->tx_pdos = (uint16_t)dcf_key_number(self, section, "NrOfTXPDO", PDOS_MAX, 0);
-    self->compact_pdo = (uint8_t)dcf_key_number(self, section, "CompactPDO", COMPACT_PDO_MAX, 0);
+    self->compact_pdo = (uint8_t)dcf_key_number(self, section, "CompactPDO", UINT8_MAX, 0);
+    if (self->compact_pdo > COMPACT_PDO_MAX)
+        dcf_tell(
+            self->report, DCF_RULE_COMPACT_PDO, key->line,
+            "[%s] CompactPDO: up to 3Fh expected (one bit for each sub-index), there is %02Xh: "
+            "the others are ignored",
+            dcf_show(section->name).text, self->compact_pdo);
     if (self->compact_pdo != 0 && dcf->rx_pdos == 0 && dcf->tx_pdos == 0)
         dcf_tell(self->report, DCF_RULE_COMPACT_PDO, key->line,
                  "[%s] CompactPDO: NrOfRXPDO or NrOfTXPDO expected with it, there are no PDOs",
@@ -201,7 +207,7 @@ static void build_dummy_usage(struct dcf_builder *self)
 
     if (!section)
         return;
-    for (unsigned i = 1; i <= DUMMY_LAST; i++) {
+    for (unsigned i = 0; i <= DUMMY_LAST; i++) {
         if (i > DUMMY_LAST_OF_FIRST && i < DUMMY_FIRST_OF_OTHERS)
             continue;
         snprintf(name, sizeof name, "Dummy%04X", i);

@@ -21,7 +21,8 @@ struct lexer {
     size_t size; /* of the file */
     struct co_report *report;
     unsigned line;
-    struct oddity too_long, not_ascii, control, hash, not_a_key, no_section;
+    struct oddity too_long, not_ascii, control, return_only, hash, slashes, indented, not_a_key,
+        no_section;
 };
 
 static void note(struct lexer *self, struct oddity *oddity)
@@ -144,16 +145,22 @@ static enum co_err read_key(struct lexer *self, struct dcf_slice line)
 
 static enum co_err read_line(struct lexer *self, struct dcf_slice line)
 {
+    const char *start = line.text;
+
     if (line.size > LINE_SIZE_MAX)
         note(self, &self->too_long);
     line = dcf_slice_trim(line);
     if (line.size == 0 || line.text[0] == ';')
         return CO_OK;
-    if (line.text[0] == '#') {
-        note(self, &self->hash);
+    if (line.text[0] == '#' || dcf_slice_begins(line, "//")) {
+        note(self, line.text[0] == '#' ? &self->hash : &self->slashes);
         return CO_OK;
     }
-    return line.text[0] == '[' ? read_section(self, line) : read_key(self, line);
+    if (line.text[0] != '[')
+        return read_key(self, line);
+    if (line.text != start)
+        note(self, &self->indented);
+    return read_section(self, line);
 }
 
 #define EIGHT_BYTES(byte) (UINT64_C(0x0101010101010101) * (byte))
@@ -221,6 +228,8 @@ static struct dcf_slice take_line(struct lexer *self)
         self->rest = dcf_slice_skip(rest, size + 2);
     else if (size < rest.size)
         self->rest = dcf_slice_skip(rest, size + 1);
+    if (size < rest.size && rest.text[size] == '\r' && self->rest.text == rest.text + size + 1)
+        note(self, &self->return_only);
     return dcf_slice_cut(rest, size);
 }
 
@@ -243,8 +252,14 @@ static void tell_all(const struct lexer *self)
          "ASCII characters expected, there are others");
     tell(self, &self->control, DCF_RULE_CONTROL_CHARACTERS,
          "text expected, there are control characters");
+    tell(self, &self->return_only, DCF_RULE_LINE_END,
+         "lines are expected to end with CR LF or LF, this one does with CR");
     tell(self, &self->hash, DCF_RULE_COMMENT,
          "comments are expected to begin with \";\", this one does with \"#\"");
+    tell(self, &self->slashes, DCF_RULE_COMMENT,
+         "comments are expected to begin with \";\", this one does with \"//\"");
+    tell(self, &self->indented, DCF_RULE_SECTION_BRACKETS,
+         "a section is expected in the first column, there are blanks before it");
     tell(self, &self->not_a_key, DCF_RULE_LINE,
          "\"[section]\", \"key=value\" or \"; comment\" expected: ignored");
     tell(self, &self->no_section, DCF_RULE_NO_SECTION,

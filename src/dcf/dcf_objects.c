@@ -107,14 +107,50 @@ static void check_count(struct dcf_builder *self, struct dcf_section *object, si
                  dcf_show(object->name).text, count, (unsigned long)announced);
 }
 
+/* 0 says of these keywords that there is nothing. */
+static bool may_be_zero(const char *name)
+{
+    return strcmp(name, "PDOMapping") == 0 || strcmp(name, "SubNumber") == 0 ||
+           strcmp(name, "CompactSubObj") == 0;
+}
+
+/* Tells which of the keywords are there, in one message. */
+static void tell_not_allowed(struct dcf_builder *self, struct dcf_section *section,
+                             const char *const *names, size_t count)
+{
+    const struct dcf_key *first = NULL;
+    char text[200] = "";
+    size_t used = 0;
+
+    for (size_t i = 0; i < count; i++) {
+        const struct dcf_key *key = dcf_section_find(section, names[i]);
+        struct dcf_number number;
+
+        if (!key || (may_be_zero(names[i]) && dcf_number_parse(key->value, &number) &&
+                     number.magnitude == 0 && !number.has_node_id))
+            continue;
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", used ? ", " : "",
+                                 names[i]);
+        if (!first || key->line < first->line)
+            first = key;
+    }
+    if (first)
+        dcf_tell(self->report, DCF_RULE_KEY_NOT_ALLOWED, first->line,
+                 "[%s]: %s not expected with this ObjectType: ignored",
+                 dcf_show(section->name).text, text);
+}
+
 static void build_single(struct dcf_builder *self, struct group *group)
 {
+    static const char *const not_allowed[] = { "SubNumber", "CompactSubObj", "PDOMapping",
+                                               "LowLimit", "HighLimit" };
     struct dcf_entry *entry = dcf_build_entry(self, group->object->index, 0);
 
     if (!entry)
         return;
     entry->object_type = group->object_type;
     dcf_fill_entry(self, group->object, entry);
+    tell_not_allowed(self, group->object, not_allowed, entry->object_type == OBJECT_DOMAIN ? 5 : 2);
 }
 
 static void build_sub(struct dcf_builder *self, const struct group *group,
@@ -191,11 +227,12 @@ static void check_subs(struct dcf_builder *self, const struct group *group)
 
 static void build_structure(struct dcf_builder *self, struct group *group)
 {
-    static const char *const not_needed[] = { "DataType",   "AccessType", "DefaultValue",
-                                              "PDOMapping", "LowLimit",   "HighLimit",
-                                              "ObjFlags",   "Denotation", "ParamRefd" };
+    static const char *const not_needed[] = { "ObjFlags", "Denotation", "ParamRefd" };
+    static const char *const not_allowed[] = { "DataType",   "AccessType", "DefaultValue",
+                                               "PDOMapping", "LowLimit",   "HighLimit" };
 
     dcf_use_keys(group->object, not_needed, sizeof not_needed / sizeof not_needed[0]);
+    tell_not_allowed(self, group->object, not_allowed, sizeof not_allowed / sizeof not_allowed[0]);
     dcf_read_name(self, group->object, NULL);
     check_subs(self, group);
     for (size_t i = 0; i < group->sub_count; i++)
@@ -230,6 +267,17 @@ static unsigned read_compact(struct dcf_builder *self, struct dcf_section *secti
     return COMPACT_MAX;
 }
 
+static void check_compact_type(struct dcf_builder *self, struct group *group)
+{
+    static const char *const not_allowed[] = { "SubNumber" };
+
+    if (!has_subs(group->object_type))
+        dcf_tell(self->report, DCF_RULE_OBJECT_TYPE, group->object->line,
+                 "[%s] ObjectType: 8 or 9 expected with CompactSubObj, there is %u: taken as 8",
+                 dcf_show(group->object->name).text, group->object_type);
+    tell_not_allowed(self, group->object, not_allowed, 1);
+}
+
 static void build_group(struct dcf_builder *self, struct group *group)
 {
     unsigned compact;
@@ -242,6 +290,7 @@ static void build_group(struct dcf_builder *self, struct group *group)
     group->object_type = read_object_type(self, group);
     compact = read_compact(self, group->object);
     if (compact > 0 && group->sub_count == 0) {
+        check_compact_type(self, group);
         dcf_build_compact(self, group->object, compact);
     } else if (has_subs(group->object_type)) {
         if (compact > 0)

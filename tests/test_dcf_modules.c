@@ -217,6 +217,14 @@ static const struct {
       SUB_0("6000") "02 6000:1(Channel1)=03 6000:2(Channel2)=03 " SUB_0(
           "6001") "01 6001:1(Channel1)=03",
       "" },
+    { "the next object is one that modules fill as well",
+      DEVICE(SUPPORTED(1) MODULE(1) "[M1SubExtends]\nNrOfEntries=2\n1=0x6000\n2=0x6001\n" EXTENSION(
+          "M1SubExt6000", "5",
+          "Count=3\nObjExtend=2\n") "[M1SubExt6001]\nParameterName=Next\nDataType=5\nAccessType="
+                                    "ro\nCount=1\n" IN_USE("1\n1=1\n")),
+      SUB_0("6000") "02 6000:1(Channel1)=03 6000:2(Channel2)=03 " SUB_0(
+          "6001") "02 6001:1(Channel1)=03 6001:2(Next2)=",
+      "" },
     { "what the file describes stays",
       OBJECT("2000", "[2000]\nParameterName=Own\nObjectType=8\nDataType=5\nAccessType=ro\n"
                      "CompactSubObj=2\n" SUPPORTED(1) MODULE(1) LIST("M1SubExtends", "2000")

@@ -49,7 +49,13 @@ static const char text[] = LINES(
         VALUE("1028sub1", "7", "rw", "0x81") VALUE("1028sub2", "7", "rw", "0x82")
             ARRAY_OF("2000", 0) "DataType=7\nAccessType=rw\nCompactSubObj=3\nDefaultValue=1\n"
                                 "[2000Name]\nNrOfEntries=1\n1=One\n"
-                                "[2000Value]\nNrOfEntries=1\n1=1\n");
+                                "[2000Value]\nNrOfEntries=1\n1=1\n"
+                                "[SupportedModules]\nNrOfEntries=1\n"
+                                "[M1ModuleInfo]\nProductName=M\nOrderCode=M\n"
+                                "[M1Fixed2001]\nDataType=7\nParameterName=M\n"
+                                "[M1SubExt2000]\nDataType=7\nParameterName=N\nCount=5\n"
+                                "[ConnectedModules]\nNrOfEntries=1\n1=1\n"
+                                "[Comments]\nLines=1\nLine2=a gap\n");
 
 START_TEST(a_file_is_read)
 {

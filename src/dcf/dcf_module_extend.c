@@ -99,11 +99,13 @@ void dcf_module_read_extensions(struct dcf_modules *self, struct dcf_range range
 struct chain {          /* an object, and those behind it that take up what has no room in it */
     uint32_t total;     /* sub-indices that the modules give */
     uint32_t bits_left; /* of the last sub-index */
-    uint16_t index;
-    uint8_t last; /* sub-index */
+    uint16_t index;     /* of the object that is being filled */
     bool is_begun;
     bool is_full;
-    bool is_touched; /* sub-indices were added to the object of this index */
+    /* Of the object of this index, whichever chain fills it. */
+    bool is_counted;
+    bool is_touched;
+    uint8_t highest; /* sub-index */
 };
 
 struct extender {
@@ -130,22 +132,32 @@ static uint32_t new_subs(struct chain *chain, const struct dcf_extension *extens
     return count;
 }
 
-/* The number of sub-indices in the file, and the highest one. */
-static uint32_t count_described(const struct extender *self, uint16_t index, uint8_t *ret_highest)
+/* The number of sub-indices in the file. */
+static uint32_t count_described(struct extender *self, uint16_t index)
 {
     struct dcf file = { .entries = self->modules->builder->dcf->entries, .count = self->described };
+    struct chain *chain = &self->chains[index];
     uint32_t found = 0;
     size_t count;
     const struct dcf_entry *entries = dcf_object(&file, index, &count);
 
-    *ret_highest = 0;
     for (size_t i = 0; i < count; i++) {
         if (entries[i].sub == 0 || entries[i].sub > SUB_MAX)
             continue;
         found++;
-        *ret_highest = entries[i].sub;
+        if (!chain->is_counted)
+            chain->highest = entries[i].sub;
     }
+    chain->is_counted = true;
     return found;
+}
+
+/* The highest sub-index that there is by now. */
+static uint8_t *highest_of(struct extender *self, uint16_t index)
+{
+    if (!self->chains[index].is_counted)
+        count_described(self, index);
+    return &self->chains[index].highest;
 }
 
 static uint32_t limit_of(const struct dcf_extension *extension)
@@ -162,7 +174,7 @@ static void begin(struct extender *self, struct chain *chain, const struct dcf_e
     chain->is_begun = true;
     chain->bits_left = 0;
     chain->index = extension->pattern.index;
-    chain->is_full = count_described(self, chain->index, &chain->last) >= given;
+    chain->is_full = count_described(self, chain->index) >= given;
 }
 
 static void add_sub_0(struct extender *self, uint16_t index)
@@ -186,7 +198,7 @@ static void add_sub_0(struct extender *self, uint16_t index)
 static bool find_room(struct extender *self, struct chain *chain,
                       const struct dcf_extension *extension)
 {
-    while (chain->last >= limit_of(extension)) {
+    while (*highest_of(self, chain->index) >= limit_of(extension)) {
         if (extension->most == 0 || chain->index == UINT16_MAX) {
             dcf_tell(self->modules->builder->report, DCF_RULE_MODULE_ROOM, extension->pattern.line,
                      "%04Xh: sub-indices up to %u expected, the connected modules give more: left "
@@ -195,7 +207,6 @@ static bool find_room(struct extender *self, struct chain *chain,
             return false;
         }
         chain->index++;
-        count_described(self, chain->index, &chain->last);
     }
     return true;
 }
@@ -212,8 +223,8 @@ static void add_sub(struct extender *self, struct chain *chain,
     if (!self->chains[chain->index].is_touched)
         add_sub_0(self, chain->index);
     self->chains[chain->index].is_touched = true;
-    chain->last++;
-    dcf_build_element(self->modules->builder, &pattern, chain->last);
+    *highest_of(self, chain->index) += 1;
+    dcf_build_element(self->modules->builder, &pattern, *highest_of(self, chain->index));
 }
 
 static void count_extension(struct extender *self, const struct dcf_extension *extension)

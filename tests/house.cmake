@@ -32,6 +32,9 @@ set_tests_properties(check_schema PROPERTIES LABELS house)
 
 if(MCANOPEN_TOOLS)
     house_check(check_man $<TARGET_FILE_DIR:mcanopen_tool>)
+    add_test(NAME check_man_made COMMAND ${Python3_EXECUTABLE} -B
+        ${PROJECT_SOURCE_DIR}/docs/make_man.py $<TARGET_FILE_DIR:mcanopen_tool> --check)
+    set_tests_properties(check_man_made PROPERTIES LABELS house)
 endif()
 
 # An application of the static library that has functions named like internal ones.

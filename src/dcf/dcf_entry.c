@@ -132,13 +132,15 @@ static void fill_access(struct dcf_builder *self, struct dcf_section *section,
 /* The unsigned type of so many bits, or 0. */
 static uint8_t type_of_bits(uint64_t bits)
 {
-    for (uint8_t type = OD_BOOLEAN; type <= OD_UNSIGNED64; type++) {
-        bool is_integer = od_type_known(type) && strncmp(od_type_name(type), "UNSIGNED", 8) == 0;
+    static const uint8_t types[] = { OD_BOOLEAN,    OD_UNSIGNED8,  OD_UNSIGNED16,
+                                     OD_UNSIGNED24, OD_UNSIGNED32, OD_UNSIGNED40,
+                                     OD_UNSIGNED48, OD_UNSIGNED56, OD_UNSIGNED64 };
 
-        if (is_integer && 8 * od_type_size(type) == bits)
-            return type;
+    for (size_t i = 0; i < sizeof types / sizeof types[0]; i++) {
+        if (bits == (types[i] == OD_BOOLEAN ? 1 : 8 * od_type_size(types[i])))
+            return types[i];
     }
-    return bits == 1 ? OD_BOOLEAN : 0;
+    return 0;
 }
 
 /*

@@ -375,7 +375,11 @@ run_demo()
     done
 }
 
-# The tests that have threads; those of machines and parsers have none.
+# With sanitizers not once more: the examples have a lane with valgrind, and test_dcf_corpus reads
+# the files of the other one.
+elsewhere='^system_test_(corpus|examples)$'
+# The tests that have threads; those of machines and parsers have none, nor have these.
+no_threads='^system_test_(bad_input|check|corpus_messages|dcf2ccf)$'
 threaded='^(system_|test_(api|bus|can|event|file_draft|network($|_can|_confirm)|scan|thread))'
 
 # ---- which lanes ---------------------------------------------------------------------------------
@@ -393,15 +397,15 @@ run_side_by_side()
     {
         lane vcan run_vcan
         lane interop run_interop
-        lane format run_format
         lane man run_man
-        lane examples run_examples
     } &
     lane contract run_contract
     lane mutants run_mutants
     lane coverage run_coverage
     lane valgrind run_valgrind
     lane refusals run_refusals
+    lane format run_format
+    lane examples run_examples
     wait
 }
 
@@ -410,8 +414,8 @@ run_more()
     run_side_by_side
     lane tidy run_tidy
     lane seeds run_seeds && wanted seeds && show_seeds
-    lane asan test_preset asan -LE house
-    lane tsan test_preset tsan -LE house -R "$threaded"
+    lane asan test_preset asan -LE house -E "$elsewhere"
+    lane tsan test_preset tsan -LE house -R "$threaded" -E "$elsewhere|$no_threads"
     lane m32 run_m32
     lane fuzz run_fuzz
     lane release run_release

@@ -96,7 +96,7 @@ static json_t *uri_of(const char *path)
 
 static json_t *object_of(const struct finding *finding)
 {
-    char name[16];
+    char name[24];
 
     if (finding->sub >= 0)
         snprintf(name, sizeof name, "%04Xh:%02X", (unsigned)finding->index, (unsigned)finding->sub);

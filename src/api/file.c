@@ -18,6 +18,7 @@ static enum co_err error_of_errno(void)
     case ENOTDIR: return CO_ERR_NOT_FOUND;
     case EACCES: return CO_ERR_PERMISSION;
     case EISDIR: return CO_ERR_ARG;
+    case EOVERFLOW: return CO_ERR_VALUE; /* too large for a 32-bit program to open */
     default: return CO_ERR_IO;
     }
 }

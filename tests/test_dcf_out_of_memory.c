@@ -1,48 +1,13 @@
 /* Memory runs out at each moment of reading and checking a file: it is told, nothing is left. */
 #include "dcf/dcf_lint.h"
 #include "support/lint.h"
+#include "support/scarce.h"
 #include "support/suite.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #define MOST 2000u /* far more allocations than there are */
-
-static unsigned left; /* allocations until one fails; 0: none does */
-
-void *__real_malloc(size_t size);
-void *__wrap_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__real_realloc(void *memory, size_t size);
-void *__wrap_realloc(void *memory, size_t size);
-char *__real_strdup(const char *text);
-char *__wrap_strdup(const char *text);
-
-static bool fails(void)
-{
-    return left > 0 && --left == 0;
-}
-
-void *__wrap_malloc(size_t size)
-{
-    return fails() ? NULL : __real_malloc(size);
-}
-
-void *__wrap_calloc(size_t count, size_t size)
-{
-    return fails() ? NULL : __real_calloc(count, size);
-}
-
-void *__wrap_realloc(void *memory, size_t size)
-{
-    return fails() ? NULL : __real_realloc(memory, size);
-}
-
-char *__wrap_strdup(const char *text)
-{
-    return fails() ? NULL : __real_strdup(text);
-}
 
 static const char text[] = LINES(
     VALUE("1005", "7", "rw", "0x80") ARRAY_OF("1028", 3) VALUE("1028sub0", "5", "ro", "2")
@@ -65,9 +30,9 @@ START_TEST(a_file_is_read)
     unsigned n;
 
     for (n = 1; err != CO_OK && n < MOST; n++) {
-        left = n;
+        memory_left = n;
         err = dcf_parse(text, strlen(text), &report, &dcf);
-        left = 0;
+        memory_left = 0;
         ck_assert_msg(err == CO_OK || err == CO_ERR_MEMORY, "%u: %s", n, report.first_error);
     }
     ck_assert_int_eq(err, CO_OK);
@@ -82,9 +47,9 @@ START_TEST(a_file_is_checked)
     struct dcf dcf;
 
     ck_assert_int_eq(dcf_parse(text, strlen(text), &report, &dcf), CO_OK);
-    left = 1;
+    memory_left = 1;
     ck_assert_int_eq(dcf_lint(&dcf, &report), CO_ERR_MEMORY);
-    left = 0;
+    memory_left = 0;
     ck_assert_int_eq(dcf_lint(&dcf, &report), CO_OK);
     dcf_done(&dcf);
 }

@@ -3,6 +3,7 @@
  * (--wrap), where each of a call fails once: the call says so, and leaves nothing behind.
  */
 #include "support/scan_plant.h"
+#include "support/scarce.h"
 #include "support/suite.h"
 
 #include <errno.h>
@@ -14,45 +15,20 @@
 #define COUNT(array) (sizeof(array) / sizeof((array)[0]))
 #define MOST         10000u /* allocations of one call */
 
-/* --- the linker's part --- */
+/* --- the linker's part, besides memory --- */
 
-static _Thread_local unsigned memory_left, threads_left; /* until one fails; 0: none does */
+static _Thread_local unsigned threads_left; /* until one fails; 0: none does */
 
-static bool fails(unsigned *left)
-{
-    return *left > 0 && --*left == 0;
-}
-
-void *__real_malloc(size_t size);
-void *__wrap_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__real_realloc(void *memory, size_t size);
-void *__wrap_realloc(void *memory, size_t size);
 int __real_pthread_create(pthread_t *thread, const pthread_attr_t *attributes,
                           void *(*run)(void *context), void *context);
 int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes,
                           void *(*run)(void *context), void *context);
 
-void *__wrap_malloc(size_t size)
-{
-    return fails(&memory_left) ? NULL : __real_malloc(size);
-}
-
-void *__wrap_calloc(size_t count, size_t size)
-{
-    return fails(&memory_left) ? NULL : __real_calloc(count, size);
-}
-
-void *__wrap_realloc(void *memory, size_t size)
-{
-    return fails(&memory_left) ? NULL : __real_realloc(memory, size);
-}
-
 int __wrap_pthread_create(pthread_t *thread, const pthread_attr_t *attributes,
                           void *(*run)(void *context), void *context)
 {
-    return fails(&threads_left) ? EAGAIN : __real_pthread_create(thread, attributes, run, context);
+    return scarce_fails(&threads_left) ? EAGAIN
+                                       : __real_pthread_create(thread, attributes, run, context);
 }
 
 /* --- the calls --- */

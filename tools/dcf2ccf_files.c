@@ -58,26 +58,11 @@ static bool has_read(const struct ccf_files *self, const struct stat *status)
     return false;
 }
 
-static bool write_all(int file, const char *bytes, size_t size)
-{
-    while (size > 0) {
-        const ssize_t written = write(file, bytes, size);
-
-        if (written < 0 && errno == EINTR)
-            continue;
-        if (written < 0)
-            return false;
-        bytes += written;
-        size -= (size_t)written;
-    }
-    return true;
-}
-
 static bool write_special(const char *name, const void *bytes, size_t size)
 {
     const bool is_stdout = strcmp(name, "-") == 0;
     const int file = is_stdout ? STDOUT_FILENO : open(name, O_WRONLY | O_CLOEXEC);
-    const bool good = file >= 0 && write_all(file, bytes, size);
+    const bool good = file >= 0 && file_write_all(file, bytes, size);
     const int error = errno;
 
     if (file >= 0 && !is_stdout)

@@ -113,7 +113,7 @@ static enum co_err take_mode(const struct file_draft *self)
     return fchmod(self->file, old.st_mode & 07777) == 0 ? CO_OK : error_of_errno();
 }
 
-static bool write_all(int file, const char *bytes, size_t size)
+bool file_write_all(int file, const char *bytes, size_t size)
 {
     while (size > 0) {
         const ssize_t written = write(file, bytes, size);
@@ -134,7 +134,7 @@ static enum co_err fill(const struct file_draft *self, const void *bytes, size_t
 
     if (err != CO_OK)
         return err;
-    if (ftruncate(self->file, 0) == 0 && write_all(self->file, bytes, size) &&
+    if (ftruncate(self->file, 0) == 0 && file_write_all(self->file, bytes, size) &&
         fsync(self->file) == 0)
         return CO_OK;
     return error_of_errno();

@@ -19,6 +19,7 @@
 
 #include "base/error.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 
 struct file_draft {
@@ -32,5 +33,8 @@ enum co_err file_draft_write(struct file_draft *self, const char *path, const vo
 /* It becomes the file, and ends; CO_ERR_IO: perhaps not. */
 enum co_err file_draft_take(struct file_draft *self);
 void file_draft_drop(struct file_draft *self);
+
+/* All of it to an open file of whatever kind; false: errno tells. */
+bool file_write_all(int file, const char *bytes, size_t size);
 
 #endif

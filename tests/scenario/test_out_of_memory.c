@@ -3,6 +3,7 @@
  */
 #include "support/config_text.h"
 #include "support/dcf_file.h"
+#include "support/scarce.h"
 #include "support/suite.h"
 
 #include "manager/config_domains.h"
@@ -10,42 +11,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-
-static unsigned left; /* allocations until one fails; 0: none does */
-
-void *__real_malloc(size_t size);
-void *__wrap_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__real_realloc(void *memory, size_t size);
-void *__wrap_realloc(void *memory, size_t size);
-char *__real_strdup(const char *text);
-char *__wrap_strdup(const char *text);
-
-static bool fails(void)
-{
-    return left > 0 && --left == 0;
-}
-
-void *__wrap_malloc(size_t size)
-{
-    return fails() ? NULL : __real_malloc(size);
-}
-
-void *__wrap_calloc(size_t count, size_t size)
-{
-    return fails() ? NULL : __real_calloc(count, size);
-}
-
-void *__wrap_realloc(void *memory, size_t size)
-{
-    return fails() ? NULL : __real_realloc(memory, size);
-}
-
-char *__wrap_strdup(const char *text)
-{
-    return fails() ? NULL : __real_strdup(text);
-}
 
 static const char text[] = NET("<Name>plant</Name>"
                                "<Sync_Interval>1000</Sync_Interval>"
@@ -59,9 +24,9 @@ START_TEST(test_file_is_read)
     unsigned n;
 
     for (n = 1; n < 100; n++) {
-        left = n;
+        memory_left = n;
         result = config_parse(text);
-        left = 0;
+        memory_left = 0;
         if (result->err == CO_OK)
             break;
         ck_assert_int_eq(result->err, CO_ERR_MEMORY);
@@ -80,9 +45,9 @@ START_TEST(test_manager_is_made)
     unsigned n;
 
     for (n = 1; err != CO_OK && n < 100000; n += n < 40 ? 1 : 29) { /* of an object some fail */
-        left = n;
+        memory_left = n;
         err = manager_init(&manager, config);
-        left = 0;
+        memory_left = 0;
         ck_assert(err == CO_OK || err == CO_ERR_MEMORY);
     }
     ck_assert_int_eq(err, CO_OK);
@@ -104,9 +69,9 @@ static void write_domain(uint16_t index, const void *bytes, size_t size)
         struct node_config changed = before;
         struct co_report report = { .file = NULL };
 
-        left = n;
+        memory_left = n;
         code = config_domain_set_node(index, config, &changed, &value, &report);
-        left = 0;
+        memory_left = 0;
         ck_assert(code == SDO_OK || code == SDO_NO_MEMORY);
         if (code == SDO_OK)
             config->nodes[0] = changed;

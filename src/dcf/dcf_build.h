@@ -138,8 +138,6 @@ void dcf_tell_quirks(const struct dcf_builder *self, const struct dcf_section *s
 void dcf_tell_unused(struct dcf_builder *self, const struct dcf_section *section);
 /* The name of the file, or an empty one. */
 struct dcf_slice dcf_report_file(const struct dcf_builder *self);
-/* True for a key that is there, also empty. */
-bool dcf_section_has(const struct dcf_section *section, const char *name);
 /* Keys that nobody reads here. */
 void dcf_use_keys(struct dcf_section *section, const char *const *names, size_t count);
 /* Tells which of the keys are missing (or empty), in one message. */

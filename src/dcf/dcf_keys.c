@@ -88,7 +88,8 @@ struct dcf_slice dcf_report_file(const struct dcf_builder *self)
     return dcf_slice_of(self->report->file ? self->report->file : "");
 }
 
-bool dcf_section_has(const struct dcf_section *section, const char *name)
+/* True for a key that is there, also empty. */
+static bool has_key(const struct dcf_section *section, const char *name)
 {
     for (size_t i = 0; i < section->count; i++) {
         if (dcf_slice_is(section->keys[i].name, name))
@@ -105,7 +106,7 @@ void dcf_expect_keys(struct dcf_builder *self, struct dcf_section *section,
 
     for (size_t i = 0; i < count; i++) {
         bool there = dcf_section_find(section, names[i]) ||
-                     (may_be_empty && dcf_section_has(section, names[i]));
+                     (may_be_empty && has_key(section, names[i]));
 
         if (there || used >= sizeof missing)
             continue;

@@ -14,7 +14,8 @@ bool dcf_lint_is_mapping(uint16_t index)
     return (index >= 0x1600 && index <= 0x17FF) || (index >= 0x1A00 && index <= 0x1BFF);
 }
 
-bool dcf_lint_is_communication(uint16_t index)
+/* 1400h.., 1800h.. */
+static bool is_communication(uint16_t index)
 {
     return (index >= 0x1400 && index <= 0x15FF) || (index >= 0x1800 && index <= 0x19FF);
 }
@@ -41,7 +42,7 @@ static void lint_object(const struct dcf_lint *self, const struct dcf_lint_objec
     if (index < 0x1000 || index > 0x1FFF)
         return;
     dcf_lint_known(self, object);
-    if (dcf_lint_is_communication(index))
+    if (is_communication(index))
         dcf_lint_communication(self, object);
     if (dcf_lint_is_mapping(index))
         dcf_lint_mapping(self, object);

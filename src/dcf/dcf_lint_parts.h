@@ -56,8 +56,6 @@ const struct dcf_value *dcf_lint_effective(const struct dcf_entry *entry);
 
 #define DCF_LINT_COB_INVALID 0x80000000u
 
-/* 1400h.., 1800h.. */
-bool dcf_lint_is_communication(uint16_t index);
 /* 1600h.., 1A00h.. */
 bool dcf_lint_is_mapping(uint16_t index);
 

@@ -23,7 +23,4 @@ extern const struct co_rule dcf_rules[DCF_RULE_COUNT];
 /* A message of a rule of the list: dcf_tell(report, DCF_RULE_NODE_ID, line, "...", ...) */
 #define dcf_tell(report, rule, ...) co_report_rule((report), &dcf_rules[rule], __VA_ARGS__)
 
-/* NULL: no rule of that name */
-const struct co_rule *dcf_rule_find(const char *name);
-
 #endif
